@@ -1,0 +1,145 @@
+# The one entry. `make help` lists what there is.
+SHELL := /bin/bash
+.DEFAULT_GOAL := all
+.DELETE_ON_ERROR:
+MAKEFLAGS += --no-builtin-rules
+
+PYTHON ?= python3
+VENV := .venv
+BUILD := .build
+RESULTS := .results
+NATIVE := harness/aliascope/native
+LIBRARIES := $(NATIVE)/lib
+VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
+
+# VARIANT=sanitized builds the C tests again under the address and undefined-behaviour sanitizers.
+VARIANT ?= release
+OBJECTS := $(BUILD)/$(VARIANT)
+WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror
+# Contraction off: the same bits on machines with and without fused multiply-add.
+CFLAGS := -std=c11 -O3 -g -fPIC -fvisibility=hidden -ffp-contract=off -pthread $(WARNINGS)
+ifeq ($(VARIANT),sanitized)
+CFLAGS += -O1 -fno-omit-frame-pointer -fsanitize=address,undefined,float-divide-by-zero,float-cast-overflow -fno-sanitize-recover=all
+endif
+CPPFLAGS := -Icsrc/include -Icsrc/sampler -Icsrc/tracer -Icsrc/raster -DASC_VERSION='"$(VERSION)"' -MMD -MP
+EMBREE := -lembree3
+OSMESA := -lOSMesa
+
+say = echo "  $(1) $@"
+objects = $(patsubst csrc/%.c,$(OBJECTS)/%.o,$(wildcard csrc/$(1)/*.c))
+SAMPLER_OBJECTS := $(call objects,sampler)
+TRACER_OBJECTS := $(call objects,tracer)
+RASTER_OBJECTS := $(call objects,raster)
+C_TESTS := $(patsubst tests/c/%.c,$(OBJECTS)/%,$(wildcard tests/c/test_*.c))
+C_BENCHES := $(patsubst tests/bench/%.c,$(OBJECTS)/%,$(wildcard tests/bench/bench_*.c))
+BINDINGS := $(BUILD)/bindings.stamp
+
+## all        install what is missing, build the libraries and the command .venv/bin/aliascope
+.PHONY: all
+all: $(BINDINGS)
+
+## compare    render the quick profile and write the report
+.PHONY: compare
+compare: all
+	@$(VENV)/bin/aliascope compare --profile quick -o $(RESULTS)/compare
+
+## test       every test: C (also under sanitizers), Python, browser
+.PHONY: test
+test: all
+	$(MAKE) --no-print-directory c-tests
+	$(MAKE) --no-print-directory c-tests VARIANT=sanitized
+	$(VENV)/bin/pytest
+
+## lint       formatters, linters, types, layers
+.PHONY: lint
+lint: all
+	clang-format --dry-run --Werror $(shell git ls-files 'csrc/*.[ch]' 'tests/*.[ch]' | grep -v sobol_directions.c)
+	clang-tidy --quiet $(shell git ls-files 'csrc/*.c') -- -std=c11 $(filter -I% -D%,$(CPPFLAGS)) 2> >(grep -v 'warnings generated' >&2)
+	$(VENV)/bin/ruff format --check --quiet
+	$(VENV)/bin/ruff check --quiet
+	$(VENV)/bin/mypy
+	$(VENV)/bin/lint-imports --no-logo
+	shellcheck harness/*.sh .ci/run
+
+## bench      nanoseconds a point, the tracer's share of bare Embree, the harness's time a job
+.PHONY: bench
+bench: all $(C_BENCHES)
+	@for bench in $(C_BENCHES); do $$bench || exit 1; done
+	@$(VENV)/bin/python tests/bench/bench_harness.py
+
+## install    the C library, its headers and its pkg-config file, to $(DESTDIR)$(prefix)
+prefix ?= /usr/local
+.PHONY: install
+install: all
+	install -d $(DESTDIR)$(prefix)/include/aliascope $(DESTDIR)$(prefix)/lib/pkgconfig
+	install -m 644 csrc/include/aliascope/*.h $(DESTDIR)$(prefix)/include/aliascope
+	install -m 755 $(LIBRARIES)/libaliascope.so $(DESTDIR)$(prefix)/lib
+	printf 'prefix=%s\nName: aliascope\nDescription: sampling patterns\nVersion: %s\nLibs: -L$${prefix}/lib -laliascope -lm\nCflags: -I$${prefix}/include\n' '$(prefix)' '$(VERSION)' >$(DESTDIR)$(prefix)/lib/pkgconfig/aliascope.pc
+
+## clean      remove everything that was built; the results of compare stay
+.PHONY: clean
+clean:
+	rm -rf $(BUILD) $(VENV) $(LIBRARIES) $(NATIVE)/*.so harness/aliascope.egg-info
+
+.PHONY: help
+help:
+	@sed -n 's/^## /make /p' Makefile
+
+# --- packages ---------------------------------------------------------------------------------------------------------
+
+$(BUILD)/system.stamp: harness/system-packages.txt harness/install-system-packages.sh
+	@mkdir -p $(@D)
+	@harness/install-system-packages.sh harness/system-packages.txt
+	@touch $@
+
+$(BUILD)/venv.stamp: harness/requirements.txt pyproject.toml $(BUILD)/system.stamp
+	@echo "installing Python packages into $(VENV)"
+	@test -x $(VENV)/bin/python || $(PYTHON) -m venv $(VENV)
+	@$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r harness/requirements.txt
+	@$(VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps -e .
+	@touch $@
+
+# --- libraries and bindings -------------------------------------------------------------------------------------------
+
+$(OBJECTS)/%.o: csrc/%.c Makefile | $(BUILD)/system.stamp
+	@mkdir -p $(@D)
+	@$(call say,compiling)
+	@$(CC) $(CFLAGS) $(CPPFLAGS) -c $< -o $@
+
+# The libraries are the release variant's; each names the folder it lies in as where to look for the others.
+SHARED = @$(call say,linking) && $(CC) -shared $(CFLAGS) $(filter %.o,$^) -Wl,--no-undefined -Wl,-rpath,'$$ORIGIN' -L$(LIBRARIES) -o $@
+
+$(LIBRARIES)/libaliascope.so: $(SAMPLER_OBJECTS)
+	@mkdir -p $(@D)
+	$(SHARED) -Wl,-soname,libaliascope.so -lm -ldl
+
+$(LIBRARIES)/libaliascope-tracer.so: $(TRACER_OBJECTS) $(LIBRARIES)/libaliascope.so
+	$(SHARED) -Wl,-soname,libaliascope-tracer.so -laliascope $(EMBREE) -lm
+
+$(LIBRARIES)/libaliascope-raster.so: $(RASTER_OBJECTS) $(LIBRARIES)/libaliascope.so
+	$(SHARED) -Wl,-soname,libaliascope-raster.so -laliascope $(OSMESA) -lm
+
+ALL_LIBRARIES := $(addprefix $(LIBRARIES)/,libaliascope.so libaliascope-tracer.so libaliascope-raster.so)
+HEADERS := $(wildcard csrc/include/aliascope/*.h) csrc/tracer/tracer.h csrc/raster/raster.h
+
+$(BINDINGS): $(NATIVE)/build.py $(HEADERS) $(ALL_LIBRARIES) $(BUILD)/venv.stamp
+	@$(call say,building)
+	@$(VENV)/bin/python $(NATIVE)/build.py $(BUILD)/bindings
+	@touch $@
+
+# --- C tests and benchmarks -------------------------------------------------------------------------------------------
+
+.PHONY: c-tests
+c-tests: $(C_TESTS)
+	@for test in $(C_TESTS); do LSAN_OPTIONS=suppressions=tests/c/leaks.supp:print_suppressions=0 $$test || exit 1; done
+
+# Tests link the objects, to reach what is hidden.
+$(OBJECTS)/test_%: tests/c/test_%.c $(SAMPLER_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
+	@$(call say,compiling)
+	@$(CC) $(CFLAGS) $(CPPFLAGS) -MF $@.d $< $(filter %.o,$^) -o $@ $(EMBREE) $(OSMESA) -lcmocka -lm -ldl
+
+$(OBJECTS)/bench_%: tests/bench/bench_%.c $(SAMPLER_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
+	@$(call say,compiling)
+	@$(CC) $(CFLAGS) $(CPPFLAGS) -MF $@.d $< $(filter %.o,$^) -o $@ $(EMBREE) $(OSMESA) -lm -ldl
+
+-include $(shell find $(BUILD) -name '*.d' 2>/dev/null)

@@ -1,0 +1,84 @@
+/* Sampling patterns.
+ *
+ * A sampler is immutable once made and may be used from any number of threads. asc_sampler_fill is pure: a value
+ * depends on (spec, samples, seed, pixel, sample index, dimension) alone, so any range can be asked for in any order and
+ * gives the same bits as all at once. Patterns that are not randomised ignore seed and pixel.
+ *
+ * Points are double, row-major [sample][dimension], in [0, 1). So that they stay below 1 as float, values in
+ * [1 - 2^-25, 1) become 1 - 2^-24.
+ */
+#ifndef ASC_SAMPLER_H
+#define ASC_SAMPLER_H
+
+#include "aliascope/base.h"
+
+typedef struct asc_sampler asc_sampler;
+
+/* What to make. Zero means default, except for `spec`. */
+typedef struct asc_sampler_desc {
+  size_t struct_size;  /* sizeof(asc_sampler_desc) */
+  const char *spec;    /* "name" or "name:key=value,key=value", such as "sobol:scramble=owen" */
+  uint64_t samples;    /* N, the points of one pixel; 0: 1. A sequence's points do not depend on it. */
+  uint32_t dimensions; /* 0: 2 */
+  uint64_t seed;
+} asc_sampler_desc;
+
+/* Which part of a sampler's points: samples [first_sample, first_sample + sample_count) of one pixel, dimensions
+ * [first_dimension, first_dimension + dimension_count). */
+typedef struct asc_range {
+  int32_t pixel_x, pixel_y;
+  uint64_t first_sample;
+  size_t sample_count;
+  uint32_t first_dimension;
+  uint32_t dimension_count;
+} asc_range;
+
+/* Makes a sampler. ASC_UNKNOWN_NAME, ASC_UNKNOWN_KEY (the message lists near misses), ASC_INVALID_VALUE,
+ * ASC_UNSUPPORTED (a count or dimension that the pattern cannot have; it is never adjusted). */
+ASC_API asc_status asc_sampler_create(const asc_sampler_desc *desc, asc_sampler **sampler, asc_error *error);
+ASC_API void asc_sampler_destroy(asc_sampler *sampler);
+
+/* The resolved desc: defaults filled in, `spec` in canonical form (keys sorted, defaults left out). The string lives
+ * as long as the sampler. */
+ASC_API asc_status asc_sampler_resolved(const asc_sampler *sampler, asc_sampler_desc *desc);
+
+/* Writes sample_count x dimension_count values to `points`. ASC_UNSUPPORTED past the last index of a net (2^32) or
+ * sequence (2^53), or past the N of a pattern that is not a sequence; ASC_INVALID_ARGUMENT past the sampler's
+ * dimensions. */
+ASC_API asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range *range, double *points);
+
+/* Writes the weights of samples [first, first + count): those of a quadrature rule, else 1/N. */
+ASC_API asc_status asc_sampler_weights(const asc_sampler *sampler, uint64_t first, size_t count, double *weights);
+
+typedef enum asc_parameter_kind { ASC_INTEGER = 0, ASC_REAL = 1, ASC_CHOICE = 2 } asc_parameter_kind;
+
+/* One key of a spec. Values are passed to `create` as double: a choice as the index of its word. */
+typedef struct asc_parameter {
+  const char *name;
+  asc_parameter_kind kind;
+  const char *choices; /* "none|owen" for ASC_CHOICE, else NULL */
+  double minimum, maximum, fallback;
+  const char *text; /* one line of help */
+} asc_parameter;
+
+/* Traits of a sampler, or-ed. */
+typedef enum asc_trait {
+  ASC_TRAIT_RANDOMISED = 1, /* the points depend on seed and pixel */
+  ASC_TRAIT_SEQUENCE = 2,   /* the first n points do not depend on N */
+  ASC_TRAIT_WEIGHTED = 4    /* weights other than 1/N */
+} asc_trait;
+
+/* What is registered, for lists and help. Strings live as long as the library. */
+typedef struct asc_sampler_info {
+  const char *name, *title, *source;
+  const asc_parameter *parameters;
+  size_t parameter_count;
+} asc_sampler_info;
+
+ASC_API size_t asc_sampler_count(void);
+ASC_API asc_status asc_sampler_describe(size_t index, asc_sampler_info *info);
+
+/* The traits of one sampler as configured: sobol is randomised only where it is scrambled. */
+ASC_API uint32_t asc_sampler_traits(const asc_sampler *sampler);
+
+#endif

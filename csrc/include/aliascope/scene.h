@@ -1,0 +1,71 @@
+/* The scene as the two renderers written in C take it: plain arrays in world coordinates, in double.
+ *
+ * World: right-handed, y up. Pictures: row 0 on top, pixel (x, y) covers [x, x+1) x [y, y+1), so the picture position
+ * (px, py) lies at (2 px / width - 1) half_width along `right` and (1 - 2 py / height) half_height along `up`.
+ * Shading: emission, times the colour of the material's pattern where it has one. (The reader of scenes refuses what
+ * a renderer can't draw; nothing is dropped here.)
+ */
+#ifndef ASC_SCENE_H
+#define ASC_SCENE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef enum asc_projection { ASC_ORTHOGRAPHIC = 0, ASC_PERSPECTIVE = 1 } asc_projection;
+
+/* right, up, forward: orthonormal. Perspective: half_width and half_height are tangents of half the angles of view.
+ * Orthographic: half the picture's width and height in world units; rays start in the plane through `eye`. */
+typedef struct asc_view {
+  asc_projection projection;
+  uint32_t width, height; /* pixels */
+  double eye[3], right[3], up[3], forward[3];
+  double half_width, half_height;
+  double background[3]; /* linear RGB */
+} asc_view;
+
+typedef enum asc_pattern_kind {
+  ASC_PATTERN_NONE = 0,
+  /* colour = low + (high - low) (1 + cos(scale |p - origin|^2)) / 2, p the point on the surface */
+  ASC_PATTERN_ZONE_PLATE = 1
+} asc_pattern_kind;
+
+typedef struct asc_pattern {
+  asc_pattern_kind kind;
+  double scale;
+  double origin[3];
+  double low[3], high[3]; /* linear RGB */
+} asc_pattern;
+
+typedef struct asc_material {
+  double emission[3]; /* linear RGB */
+  asc_pattern pattern;
+} asc_material;
+
+/* Each surface names its material by index. All surfaces are seen from both sides. */
+typedef struct asc_disc {
+  double centre[3], normal[3]; /* normal of any length but 0 */
+  double radius;
+  uint32_t material;
+} asc_disc;
+
+typedef struct asc_sphere {
+  double centre[3];
+  double radius;
+  uint32_t material;
+} asc_sphere;
+
+typedef struct asc_scene {
+  size_t struct_size;
+  asc_view view;
+  const asc_material *materials;
+  size_t material_count;
+  const double *vertices;            /* [triangle_count][3][3] */
+  const uint32_t *triangle_material; /* [triangle_count] */
+  size_t triangle_count;
+  const asc_disc *discs;
+  size_t disc_count;
+  const asc_sphere *spheres;
+  size_t sphere_count;
+} asc_scene;
+
+#endif

@@ -1,0 +1,307 @@
+#include "geometry.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "camera.h"
+
+/* A corner before the range of depths is known. */
+typedef struct corner {
+  double x, y, depth;
+  uint32_t surface;
+} corner;
+
+typedef struct builder {
+  const asc_scene *scene;
+  camera eye;
+  geometry *made;
+  corner *corners;
+  size_t count, capacity;
+  range depth;
+} builder;
+
+/* Room for the triangles of one more polygon. */
+static bool reserve(builder *b) {
+  const size_t most = 3 * CLIP_CAPACITY;
+  if (b->capacity - b->count >= most) {
+    return true;
+  }
+  size_t capacity = 2 * b->capacity + 64 * most;
+  corner *grown = realloc(b->corners, capacity * sizeof *grown);
+  if (!grown) {
+    return false;
+  }
+  b->corners = grown;
+  b->capacity = capacity;
+  return true;
+}
+
+static void add_corner(builder *b, double x, double y, double depth, uint32_t surface) {
+  corner fresh = {x, y, depth, surface};
+  b->corners[b->count++] = fresh;
+}
+
+static double clamp(double x, double limit) { return fmin(fmax(x, -limit), limit); }
+
+static void add_clipped(builder *b, const clip_vertex *clipped, size_t count, uint32_t surface) {
+  double x[CLIP_CAPACITY];
+  double y[CLIP_CAPACITY];
+  for (size_t i = 0; i < count; ++i) {
+    /* The clamp takes back the rounding of corners cut very near to the eye. */
+    x[i] = clamp(clipped[i].x / clipped[i].weight, b->eye.guard_x);
+    y[i] = clamp(clipped[i].y / clipped[i].weight, b->eye.guard_y);
+    range here = {clipped[i].depth, clipped[i].depth};
+    range_join(&b->depth, &here);
+  }
+  for (size_t i = 2; i < count; ++i) {
+    const size_t fan[3] = {0, i - 1, i};
+    for (int k = 0; k < 3; ++k) {
+      add_corner(b, x[fan[k]], y[fan[k]], clipped[fan[k]].depth, surface);
+    }
+  }
+}
+
+/* The depth does not matter: the fragment shader writes it. */
+static void add_rectangle(builder *b, const rectangle *box, const range *depth, uint32_t surface) {
+  const double x[6] = {box->low_x, box->high_x, box->high_x, box->low_x, box->high_x, box->low_x};
+  const double y[6] = {box->low_y, box->low_y, box->high_y, box->low_y, box->high_y, box->high_y};
+  for (int i = 0; i < 6; ++i) {
+    add_corner(b, x[i], y[i], depth->farthest, surface);
+  }
+  range_join(&b->depth, depth);
+}
+
+/* A new record, all zero but for its material. There are as many as surfaces, and each makes one at most. */
+static surface_record *add_surface(builder *b, uint32_t material) {
+  surface_record *record = &b->made->surfaces[b->made->surface_count++];
+  record->material = material;
+  return record;
+}
+
+static void add_triangle(builder *b, size_t index) {
+  double p[3][3];
+  for (size_t i = 0; i < 3; ++i) {
+    camera_point(&b->eye, b->scene->vertices + 9 * index + 3 * i, p[i]);
+  }
+  double e[3];
+  double f[3];
+  for (int i = 0; i < 3; ++i) {
+    e[i] = p[1][i] - p[0][i];
+    f[i] = p[2][i] - p[0][i];
+  }
+  double n[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
+  double k = n[0] * p[0][0] + n[1] * p[0][1] + n[2] * p[0][2];
+  /* A triangle without area, or seen exactly from the side, covers nothing. */
+  if ((b->eye.perspective ? k : n[2]) == 0.0) {
+    return;
+  }
+  clip_vertex clipped[CLIP_CAPACITY];
+  size_t count = camera_clip(&b->eye, (const double(*)[3])p, 3, clipped);
+  if (count == 0) {
+    return;
+  }
+  uint32_t surface = (uint32_t)b->made->surface_count;
+  surface_record *record = add_surface(b, b->scene->triangle_material[index]);
+  double plane[4] = {n[0], n[1], n[2], k};
+  memcpy(record->plane, plane, sizeof plane);
+  add_clipped(b, clipped, count, surface);
+}
+
+static void add_disc(builder *b, size_t index) {
+  const asc_disc *disc = &b->scene->discs[index];
+  double centre[3];
+  double normal[3];
+  camera_point(&b->eye, disc->centre, centre);
+  camera_direction(&b->eye, disc->normal, normal);
+  /* By the largest component first: the square of a very short normal would be 0. */
+  double largest = fmax(fabs(normal[0]), fmax(fabs(normal[1]), fabs(normal[2])));
+  double length = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    normal[i] /= largest;
+    length += normal[i] * normal[i];
+  }
+  length = sqrt(length);
+  for (int i = 0; i < 3; ++i) {
+    normal[i] /= length;
+  }
+  rectangle box;
+  range depth;
+  if (!camera_disc(&b->eye, centre, normal, disc->radius, &box, &depth)) {
+    return;
+  }
+  uint32_t surface = (uint32_t)b->made->surface_count;
+  surface_record *record = add_surface(b, disc->material);
+  for (int i = 0; i < 3; ++i) {
+    record->form[i] = centre[i];
+    record->plane[i] = normal[i];
+    record->plane[3] += normal[i] * centre[i];
+  }
+  record->form[3] = disc->radius;
+  add_rectangle(b, &box, &depth, surface);
+}
+
+static void add_sphere(builder *b, size_t index) {
+  const asc_sphere *sphere = &b->scene->spheres[index];
+  double centre[3];
+  camera_point(&b->eye, sphere->centre, centre);
+  rectangle box;
+  range depth;
+  if (!camera_sphere(&b->eye, centre, sphere->radius, &box, &depth)) {
+    return;
+  }
+  uint32_t surface = (uint32_t)b->made->surface_count;
+  surface_record *record = add_surface(b, sphere->material);
+  memcpy(record->form, centre, sizeof centre);
+  record->form[3] = sphere->radius;
+  add_rectangle(b, &box, &depth, surface);
+}
+
+static size_t shape_count(const asc_scene *scene, shape what) {
+  return what == SHAPE_TRIANGLE ? scene->triangle_count
+         : what == SHAPE_DISC   ? scene->disc_count
+                                : scene->sphere_count;
+}
+
+static uint32_t shape_material(const asc_scene *scene, shape what, size_t index) {
+  return what == SHAPE_TRIANGLE ? scene->triangle_material[index]
+         : what == SHAPE_DISC   ? scene->discs[index].material
+                                : scene->spheres[index].material;
+}
+
+static bool add_batch(builder *b, shape what, bool patterned) {
+  static void (*const add[SHAPE_COUNT])(builder *, size_t) = {add_triangle, add_disc, add_sphere};
+  b->made->first[batch_of(what, patterned)] = b->count;
+  size_t count = shape_count(b->scene, what);
+  for (size_t i = 0; i < count; ++i) {
+    uint32_t material = shape_material(b->scene, what, i);
+    if ((b->scene->materials[material].pattern.kind != ASC_PATTERN_NONE) == patterned) {
+      if (!reserve(b)) {
+        return false;
+      }
+      add[what](b, i);
+    }
+  }
+  return true;
+}
+
+/* Fills in the maps from picture positions to rays and from z to depth. */
+static void set_maps(const builder *b) {
+  const asc_view *view = &b->scene->view;
+  geometry *made = b->made;
+  made->scale[0] = 2.0 * view->half_width / view->width;
+  made->scale[1] = -2.0 * view->half_height / view->height;
+  made->base[0] = -view->half_width;
+  made->base[1] = view->half_height;
+  if (!(b->depth.nearest <= b->depth.farthest)) {
+    return; /* nothing is in the picture, and no depth is asked for */
+  }
+  if (b->eye.perspective) {
+    /* The floor keeps the reversed depth of the farthest well above the smallest float. */
+    made->depth[0] = fmax(b->depth.nearest, ldexp(b->depth.farthest, -100));
+    made->depth[1] = 0.0;
+    return;
+  }
+  /* From 1/4 to 3/4, for the rounding of the ends. */
+  double extent = b->depth.farthest - b->depth.nearest;
+  made->depth[1] = extent > 0.0 ? -0.5 / extent : 0.0;
+  made->depth[0] = 0.75 - made->depth[1] * b->depth.nearest;
+}
+
+static double reversed_depth(const builder *b, double z) {
+  return b->eye.perspective ? b->made->depth[0] / z : b->made->depth[0] + b->made->depth[1] * z;
+}
+
+/* The depth over a triangle's plane n . p = k as a linear form in the picture position. */
+static void set_triangle_depth(const builder *b, surface_record *record) {
+  const geometry *made = b->made;
+  const double *n = record->plane;
+  /* Perspective: depth0 / z = depth0 (n . direction) / k. Orthographic: z = (k - n.x x - n.y y) / n.z. */
+  double factor = b->eye.perspective ? made->depth[0] / n[3] : -made->depth[1] / n[2];
+  record->form[0] = factor * n[0] * made->scale[0];
+  record->form[1] = factor * n[1] * made->scale[1];
+  record->form[2] = factor * (n[0] * made->base[0] + n[1] * made->base[1]);
+  record->form[2] += b->eye.perspective ? factor * n[2] : made->depth[0] - factor * n[3];
+}
+
+static asc_status finish(builder *b, asc_error *error) {
+  geometry *made = b->made;
+  if (b->count > INT32_MAX) {
+    return asc_fail(error, ASC_UNSUPPORTED, "the scene has %zu vertices in the picture: OpenGL draws 2^31 - 1",
+                       b->count);
+  }
+  set_maps(b);
+  made->vertices = calloc(b->count + 1, sizeof *made->vertices);
+  if (!made->vertices) {
+    return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu vertices", b->count);
+  }
+  for (size_t i = 0; i < b->count; ++i) {
+    const corner *from = &b->corners[i];
+    vertex to = {{(float)from->x, (float)-from->y, (float)reversed_depth(b, from->depth)}, from->surface};
+    made->vertices[i] = to;
+  }
+  const size_t triangles_end = made->first[batch_of(SHAPE_DISC, false)];
+  for (size_t i = 0; i < triangles_end; i += 3) {
+    set_triangle_depth(b, &made->surfaces[made->vertices[i].surface]);
+  }
+  return ASC_OK;
+}
+
+static void copy_colour(float to[4], const double from[3]) {
+  for (int i = 0; i < 3; ++i) {
+    to[i] = (float)from[i];
+  }
+}
+
+static void set_materials(const builder *b) {
+  for (size_t i = 0; i < b->scene->material_count; ++i) {
+    const asc_material *from = &b->scene->materials[i];
+    material_record *to = &b->made->materials[i];
+    copy_colour(to->emission, from->emission);
+    if (from->pattern.kind != ASC_PATTERN_NONE) {
+      camera_point(&b->eye, from->pattern.origin, to->origin);
+      to->scale = from->pattern.scale;
+      copy_colour(to->low, from->pattern.low);
+      copy_colour(to->high, from->pattern.high);
+    }
+  }
+}
+
+static asc_status build(builder *b, asc_error *error) {
+  geometry *made = b->made;
+  const asc_scene *scene = b->scene;
+  size_t surfaces = scene->triangle_count + scene->disc_count + scene->sphere_count;
+  made->material_count = scene->material_count;
+  /* One more than needed: a buffer of OpenGL is never empty. */
+  made->surfaces = calloc(surfaces + 1, sizeof *made->surfaces);
+  made->materials = calloc(scene->material_count + 1, sizeof *made->materials);
+  if (!made->surfaces || !made->materials) {
+    return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu surfaces", surfaces);
+  }
+  set_materials(b);
+  for (int what = 0; what < SHAPE_COUNT; ++what) {
+    if (!add_batch(b, (shape)what, false) || !add_batch(b, (shape)what, true)) {
+      return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for the corners of %zu surfaces", surfaces);
+    }
+  }
+  made->first[BATCH_COUNT] = b->count;
+  return finish(b, error);
+}
+
+asc_status geometry_create(const asc_scene *scene, geometry *made, asc_error *error) {
+  memset(made, 0, sizeof *made);
+  builder b = {.scene = scene, .eye = camera_create(&scene->view), .made = made, .depth = {INFINITY, 0.0}};
+  asc_status status = build(&b, error);
+  free(b.corners);
+  if (status != ASC_OK) {
+    geometry_destroy(made);
+  }
+  return status;
+}
+
+void geometry_destroy(geometry *made) {
+  free(made->vertices);
+  free(made->surfaces);
+  free(made->materials);
+  memset(made, 0, sizeof *made);
+}

@@ -1,0 +1,325 @@
+#define _POSIX_C_SOURCE 200112L /* clock_gettime */
+
+#include "raster.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "context.h"
+#include "geometry.h"
+#include "gl.h"
+#include "shaders.h"
+#include "target.h"
+#include "validate.h"
+
+/* llvmpipe snaps corners to 1/256 pixel, on which grid its samples lie too. An edge along an axis then meets samples
+ * exactly, and as the top-left rule gives it those, sits 1/512 pixel low in x and y; an edge of any slope that meets no
+ * sample sits right. Moving everything by half of that leaves either with .001 pixel (.0014 for a falling diagonal),
+ * which is the least of the worst: measured over all phases, along an axis -.0020 to .0000, aslant .0000 to +.0028, as
+ * the move goes from 0 to 1/512. One pass has the snapping of its corners besides, up to 1/512 pixel. */
+#define EDGE_BIAS_PX (1.0 / 1024.0)
+
+struct raster {
+  context *gl;
+  uint32_t width, height;
+  float background[4];
+  bool perspective;
+  pass_block pass;
+  size_t first[BATCH_COUNT + 1];
+  GLuint vertex_array, vertices, surfaces, materials, pass_buffer;
+  target single, multiple; /* made when first asked for */
+  GLuint programs[2][BATCH_COUNT];
+  bool warm[2]; /* the driver's code for the programs is there */
+  float *frame; /* [height][width][4] */
+  double *sum;  /* [height][width][3] */
+};
+
+static double seconds(clockid_t which) {
+  struct timespec now = {0, 0};
+  (void)clock_gettime(which, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static asc_status load_storage(GLuint buffer, GLuint binding, const void *bytes, size_t size, asc_error *error) {
+  GLint64 most = 0;
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+  if ((uint64_t)size > (uint64_t)most) {
+    return asc_fail(error, ASC_UNSUPPORTED, "the scene's surfaces take %zu bytes, and this OpenGL has %lld for them",
+                       size, (long long)most);
+  }
+  glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
+  glBufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)size, bytes, GL_STATIC_DRAW);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer);
+  return ASC_OK;
+}
+
+static asc_status load_geometry(raster *made, const geometry *shapes, asc_error *error) {
+  memcpy(made->first, shapes->first, sizeof made->first);
+  memcpy(made->pass.scale, shapes->scale, sizeof shapes->scale);
+  memcpy(made->pass.base, shapes->base, sizeof shapes->base);
+  memcpy(made->pass.depth, shapes->depth, sizeof shapes->depth);
+  glGenVertexArrays(1, &made->vertex_array);
+  glBindVertexArray(made->vertex_array);
+  glGenBuffers(1, &made->vertices);
+  glGenBuffers(1, &made->surfaces);
+  glGenBuffers(1, &made->materials);
+  glGenBuffers(1, &made->pass_buffer);
+  /* Nothing in it is read where there are no surfaces, but a buffer of 0 bytes is no buffer. */
+  const size_t vertex_count = shapes->first[BATCH_COUNT];
+  glBindBuffer(GL_ARRAY_BUFFER, made->vertices);
+  glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((vertex_count + 1) * sizeof(vertex)), shapes->vertices, GL_STATIC_DRAW);
+  glVertexAttribPointer(ATTRIBUTE_POSITION, 3, GL_FLOAT, GL_FALSE, sizeof(vertex), NULL);
+  glVertexAttribIPointer(ATTRIBUTE_SURFACE, 1, GL_UNSIGNED_INT, sizeof(vertex),
+                         (const char *)NULL + offsetof(vertex, surface));
+  glEnableVertexAttribArray(ATTRIBUTE_POSITION);
+  glEnableVertexAttribArray(ATTRIBUTE_SURFACE);
+  glBindBuffer(GL_UNIFORM_BUFFER, made->pass_buffer);
+  glBufferData(GL_UNIFORM_BUFFER, sizeof made->pass, NULL, GL_DYNAMIC_DRAW);
+  glBindBufferBase(GL_UNIFORM_BUFFER, BINDING_PASS, made->pass_buffer);
+  asc_status status = load_storage(made->surfaces, BINDING_SURFACES, shapes->surfaces,
+                                   (shapes->surface_count + 1) * sizeof(surface_record), error);
+  if (status == ASC_OK) {
+    status = load_storage(made->materials, BINDING_MATERIALS, shapes->materials,
+                          (shapes->material_count + 1) * sizeof(material_record), error);
+  }
+  return status == ASC_OK ? gl_check("loading the scene", error) : status;
+}
+
+static asc_status set_state(asc_error *error) {
+  /* Of OpenGL 4.5, but libOSMesa 22.3 does not export it. */
+  context_function address = context_address("glClipControl");
+  PFNGLCLIPCONTROLPROC clip_control = (PFNGLCLIPCONTROLPROC)address;
+  if (!clip_control) {
+    return asc_fail(error, ASC_UNAVAILABLE, "this OSMesa has no glClipControl");
+  }
+  clip_control(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GEQUAL); /* reversed; equal, so that what is infinitely far covers the background */
+  /* The near and the far corner lie on the ends of the range: nothing shall go for their rounding. */
+  glEnable(GL_DEPTH_CLAMP);
+  glEnable(GL_MULTISAMPLE);
+  glMinSampleShading(1.0F);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_DITHER);
+  return gl_check("setting its state", error);
+}
+
+static asc_status set_up(raster *made, const asc_scene *scene, asc_error *error) {
+  asc_status status = set_state(error);
+  if (status != ASC_OK) {
+    return status;
+  }
+  geometry shapes;
+  status = geometry_create(scene, &shapes, error);
+  if (status != ASC_OK) {
+    return status;
+  }
+  status = load_geometry(made, &shapes, error);
+  geometry_destroy(&shapes);
+  return status;
+}
+
+asc_status raster_create(const asc_scene *scene, raster **made, asc_error *error) {
+  if (!made) {
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "nowhere to put the raster");
+  }
+  asc_status status = raster_validate(scene, error);
+  if (status != ASC_OK) {
+    return status;
+  }
+  raster *fresh = calloc(1, sizeof *fresh);
+  if (!fresh) {
+    return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for a raster");
+  }
+  fresh->width = scene->view.width;
+  fresh->height = scene->view.height;
+  fresh->perspective = scene->view.projection == ASC_PERSPECTIVE;
+  for (int i = 0; i < 3; ++i) {
+    fresh->background[i] = (float)scene->view.background[i];
+  }
+  fresh->background[3] = 1.0F;
+  status = context_create(&fresh->gl, error);
+  if (status == ASC_OK) {
+    status = context_enter(fresh->gl, error);
+  }
+  if (status == ASC_OK) {
+    status = set_up(fresh, scene, error);
+    context_leave();
+  }
+  if (status != ASC_OK) {
+    raster_destroy(fresh);
+    return status;
+  }
+  *made = fresh;
+  return ASC_OK;
+}
+
+void raster_destroy(raster *made) {
+  if (made) {
+    context_destroy(made->gl); /* and with it all that was made in it */
+    free(made->frame);
+    free(made->sum);
+    free(made);
+  }
+}
+
+/* What a way of drawing needs and does not have yet: targets, programs, room for the picture. */
+static asc_status prepare(raster *by, uint32_t samples, asc_error *error) {
+  const bool multisampled = samples > 1;
+  const size_t pixels = (size_t)by->width * by->height;
+  if (!by->frame) {
+    by->frame = malloc(pixels * 4 * sizeof *by->frame);
+  }
+  if (!by->sum) {
+    by->sum = malloc(pixels * 3 * sizeof *by->sum);
+  }
+  if (!by->frame || !by->sum) {
+    return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %u x %u pixels", by->width, by->height);
+  }
+  asc_status status = ASC_OK;
+  if (!by->single.framebuffer) {
+    status = target_create(by->width, by->height, 1, 1, &by->single, error);
+  }
+  if (status == ASC_OK && multisampled && !by->multiple.framebuffer) {
+    status = target_create(by->width, by->height, samples, 1, &by->multiple, error);
+  }
+  for (size_t batch = 0; batch < BATCH_COUNT && status == ASC_OK; ++batch) {
+    GLuint *program = &by->programs[multisampled][batch];
+    if (by->first[batch] < by->first[batch + 1] && !*program) {
+      status = shaders_create(batch, by->perspective, multisampled, program, error);
+    }
+  }
+  return status;
+}
+
+/* Draws one pass. `warming`: the first triangle of each batch, for the driver to make its code. */
+static void draw(raster *by, bool multisampled, const double offset[2], bool warming) {
+  pass_block pass = by->pass;
+  pass.shift[0] = offset[0] - 0.5;
+  pass.shift[1] = offset[1] - 0.5;
+  pass.move[0] = (float)(2.0 * (EDGE_BIAS_PX - pass.shift[0]) / by->width);
+  pass.move[1] = (float)(2.0 * (EDGE_BIAS_PX - pass.shift[1]) / by->height);
+  glBufferSubData(GL_UNIFORM_BUFFER, 0, sizeof pass, &pass);
+  glBindFramebuffer(GL_FRAMEBUFFER, multisampled ? by->multiple.framebuffer : by->single.framebuffer);
+  glViewport(0, 0, (GLsizei)by->width, (GLsizei)by->height);
+  static const GLfloat farthest = 0.0F;
+  glClearBufferfv(GL_COLOR, 0, by->background);
+  glClearBufferfv(GL_DEPTH, 0, &farthest);
+  for (size_t batch = 0; batch < BATCH_COUNT; ++batch) {
+    size_t count = by->first[batch + 1] - by->first[batch];
+    if (count == 0) {
+      continue;
+    }
+    if (multisampled && shades_samples(batch)) {
+      glEnable(GL_SAMPLE_SHADING);
+    } else {
+      glDisable(GL_SAMPLE_SHADING);
+    }
+    glUseProgram(by->programs[multisampled][batch]);
+    glDrawArrays(GL_TRIANGLES, (GLint)by->first[batch], warming ? 3 : (GLsizei)count);
+  }
+}
+
+/* Brings the pass into by->frame. The picture was drawn with y down, so OpenGL's lowest row is the top one. */
+static void read_back(raster *by, bool multisampled) {
+  const GLint width = (GLint)by->width;
+  const GLint height = (GLint)by->height;
+  if (multisampled) {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, by->multiple.framebuffer);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, by->single.framebuffer);
+    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  }
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, by->single.framebuffer);
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, by->frame);
+}
+
+static void add_frame(raster *by, double weight) {
+  const size_t pixels = (size_t)by->width * by->height;
+  for (size_t i = 0; i < pixels; ++i) {
+    for (size_t c = 0; c < 3; ++c) {
+      by->sum[3 * i + c] += weight * (double)by->frame[4 * i + c];
+    }
+  }
+}
+
+static asc_status hand_out(const raster *by, float *pixels, asc_error *error) {
+  const size_t count = (size_t)by->width * by->height * 3;
+  for (size_t i = 0; i < count; ++i) {
+    pixels[i] = (float)by->sum[i];
+    if (!isfinite(pixels[i])) {
+      return asc_fail(error, ASC_NUMERIC, "pixel (%zu, %zu) is not finite: a colour is too large for float",
+                         i / 3 % by->width, i / 3 / by->width);
+    }
+  }
+  return ASC_OK;
+}
+
+static asc_status check_desc(const raster_desc *desc, asc_error *error) {
+  if (!desc || desc->struct_size < sizeof *desc) {
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "no desc, or its struct_size is not set");
+  }
+  if (desc->samples_per_pass != 1 && desc->samples_per_pass != MULTISAMPLES) {
+    return asc_fail(error, ASC_UNSUPPORTED, "%u samples a pass: llvmpipe has 1 or 4", desc->samples_per_pass);
+  }
+  if (desc->pass_count < 1 || !desc->offsets || !desc->weights) {
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "a picture needs one pass at least, with its offset and weight");
+  }
+  for (size_t i = 0; i < desc->pass_count; ++i) {
+    const double *o = desc->offsets + 2 * i;
+    if (!(o[0] >= 0.0 && o[0] < 1.0 && o[1] >= 0.0 && o[1] < 1.0)) {
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "pass %zu has the offset (%g, %g): both lie in [0, 1)", i, o[0],
+                         o[1]);
+    }
+    if (!isfinite(desc->weights[i])) {
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "pass %zu has a weight that is not finite", i);
+    }
+  }
+  return ASC_OK;
+}
+
+static asc_status render(raster *by, const raster_desc *desc, float *pixels, raster_cost *cost, asc_error *error) {
+  const bool multisampled = desc->samples_per_pass > 1;
+  asc_status status = prepare(by, desc->samples_per_pass, error);
+  if (status != ASC_OK) {
+    return status;
+  }
+  if (!by->warm[multisampled]) {
+    draw(by, multisampled, desc->offsets, true);
+    read_back(by, multisampled);
+    by->warm[multisampled] = true;
+  }
+  /* Of the process: llvmpipe may have been left threads of its own, and their time counts. */
+  const double cpu_start = seconds(CLOCK_PROCESS_CPUTIME_ID);
+  const double wall_start = seconds(CLOCK_MONOTONIC);
+  memset(by->sum, 0, (size_t)by->width * by->height * 3 * sizeof *by->sum);
+  for (size_t i = 0; i < desc->pass_count; ++i) {
+    draw(by, multisampled, desc->offsets + 2 * i, false);
+    read_back(by, multisampled);
+    add_frame(by, desc->weights[i]);
+  }
+  status = hand_out(by, pixels, error);
+  if (cost) {
+    cost->cpu_seconds = seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_start;
+    cost->wall_seconds = seconds(CLOCK_MONOTONIC) - wall_start;
+    cost->samples = (uint64_t)desc->pass_count * desc->samples_per_pass * by->width * by->height;
+  }
+  return status == ASC_OK ? gl_check("drawing", error) : status;
+}
+
+asc_status raster_render(raster *made, const raster_desc *desc, float *pixels, raster_cost *cost, asc_error *error) {
+  if (!made || !pixels) {
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "no raster, or nowhere to put the picture");
+  }
+  asc_status status = check_desc(desc, error);
+  if (status == ASC_OK) {
+    status = context_enter(made->gl, error);
+  }
+  if (status == ASC_OK) {
+    status = render(made, desc, pixels, cost, error);
+    context_leave();
+  }
+  return status;
+}

@@ -1,0 +1,50 @@
+/* The rasteriser on OSMesa (llvmpipe): its whole interface.
+ *
+ * The same surfaces as the tracer draws, through an RGBA32F framebuffer object. One pass has one sample at the centre
+ * of each pixel, or the four of llvmpipe's multisampling; more passes move the picture by a sub-pixel offset each and
+ * are summed in double (Haeberli and Akeley 1990, "The accumulation buffer").
+ *
+ * Mesa reads LP_NUM_THREADS from the environment when the first context is made; set it to 0 before, and it draws in
+ * the calling thread.
+ */
+#ifndef RASTER_H
+#define RASTER_H
+
+#include "aliascope/base.h"
+#include "aliascope/scene.h"
+
+typedef struct raster raster;
+
+/* ASC_UNAVAILABLE where OSMesa gives no context of OpenGL 4.5 or a shader does not compile; ASC_INVALID_ARGUMENT for a
+ * scene that is not finite or names a material it does not have. One raster belongs to one thread. */
+ASC_API asc_status raster_create(const asc_scene *scene, raster **made, asc_error *error);
+ASC_API void raster_destroy(raster *made);
+
+typedef struct raster_desc {
+  size_t struct_size;
+  /* 1, or 4 for llvmpipe's multisampling; any other is ASC_UNSUPPORTED */
+  uint32_t samples_per_pass;
+  /* [pass_count][2]: where in the pixel, in [0, 1) from its left and top border, the pass samples: (0.5, 0.5) is an
+   * unmoved pass. With multisampling the pattern of 4 is moved as a whole, by offset - 0.5. */
+  const double *offsets;
+  /* [pass_count]: they should sum to 1 */
+  const double *weights;
+  size_t pass_count;
+} raster_desc;
+
+typedef struct raster_cost {
+  uint64_t samples; /* all of them: passes x samples_per_pass x pixels */
+  double cpu_seconds, wall_seconds; /* drawing, reading back and summing; without making context, shaders, buffers */
+} raster_cost;
+
+/* Renders into `pixels`, [height][width][3] float, linear RGB, row 0 on top. `cost` may be NULL. */
+ASC_API asc_status raster_render(raster *made, const raster_desc *desc, float *pixels, raster_cost *cost,
+                                 asc_error *error);
+
+/* GL_RENDERER and GL_VERSION of a context, "llvmpipe (...); 4.5 ..." . ASC_UNAVAILABLE as above. */
+ASC_API asc_status raster_describe(char *text, size_t capacity);
+
+/* The sample positions of the multisample buffer, [4][2], from the left and top border of the pixel. */
+ASC_API asc_status raster_sample_positions(double *positions, asc_error *error);
+
+#endif

@@ -1,0 +1,17 @@
+/* The check of a scene, before anything is made of it. */
+#ifndef RASTER_VALIDATE_H
+#define RASTER_VALIDATE_H
+
+#include "aliascope/base.h"
+#include "aliascope/scene.h"
+
+/* Pixels along a side at most: the largest renderbuffer of llvmpipe. */
+#define RASTER_LARGEST_SIDE 16384u
+/* Coordinates and colours beyond this are refused: products of three still fit in double, colours in float. */
+#define RASTER_LARGEST_NUMBER 1e30
+
+/* ASC_INVALID_ARGUMENT and a text for the first thing that is wrong: numbers that are not finite or too large, indices
+ * of materials that are not there, sizes, radii and normals out of range. */
+asc_status raster_validate(const asc_scene *scene, asc_error *error);
+
+#endif

@@ -1,0 +1,184 @@
+/* The samplers there are: the built-in ones and those of plugins, through the same tables. */
+#include <dlfcn.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pattern.h"
+#include "spec.h"
+
+/* One line a pattern. */
+#define BUILT_IN_SAMPLERS(X) X(random) X(regular) X(jittered) X(halton) X(sobol)
+
+#define DECLARE(name) extern const asc_sampler_interface asc_sampler_##name;
+BUILT_IN_SAMPLERS(DECLARE)
+
+#define MOST_PARAMETERS 64
+#define MOST_PLUGINS 64
+
+#define ADDRESS(name) &asc_sampler_##name,
+static const asc_sampler_interface *const built_in[] = {BUILT_IN_SAMPLERS(ADDRESS)};
+#define BUILT_IN_COUNT (sizeof built_in / sizeof *built_in)
+
+static const asc_sampler_interface *plugged_in[MOST_PLUGINS];
+static size_t plugged_in_count;
+
+struct asc_sampler {
+  const asc_sampler_interface *interface;
+  asc_sampler_state made;
+  asc_sampler_desc resolved;
+  char spec[ASC_SPEC_LENGTH];
+};
+
+size_t asc_sampler_count(void) { return BUILT_IN_COUNT + plugged_in_count; }
+
+static const asc_sampler_interface *interface_at(size_t index) {
+  return index < BUILT_IN_COUNT ? built_in[index] : plugged_in[index - BUILT_IN_COUNT];
+}
+
+asc_status asc_sampler_describe(size_t index, asc_sampler_info *info) {
+  if (!info || index >= asc_sampler_count()) return ASC_INVALID_ARGUMENT;
+  const asc_sampler_interface *interface = interface_at(index);
+  *info = (asc_sampler_info){interface->name, interface->title, interface->source, interface->parameters,
+                             interface->parameter_count};
+  return ASC_OK;
+}
+
+static const asc_sampler_interface *find(const char *name) {
+  for (size_t i = 0; i < asc_sampler_count(); i++)
+    if (strcmp(interface_at(i)->name, name) == 0) return interface_at(i);
+  return NULL;
+}
+
+static asc_status unknown_name(const char *name, asc_error *error) {
+  if (!error) return ASC_UNKNOWN_NAME;
+  const char *names[BUILT_IN_COUNT + MOST_PLUGINS];
+  for (size_t i = 0; i < asc_sampler_count(); i++) names[i] = interface_at(i)->name;
+  (void)asc_fail(error, ASC_UNKNOWN_NAME, "unknown sampler \"%s\"", name);
+  asc_near_misses(name, names, asc_sampler_count(), error->text, sizeof error->text);
+  return ASC_UNKNOWN_NAME;
+}
+
+/* Fills in interface, spec and the resolved numbers; `values` gets the spec's. */
+static asc_status resolve(asc_sampler *sampler, const asc_sampler_desc *desc, double values[MOST_PARAMETERS],
+                          asc_error *error) {
+  char name[ASC_SPEC_LENGTH];
+  asc_status status = asc_spec_name(desc->spec, name, error);
+  if (status) return status;
+  sampler->interface = find(name);
+  if (!sampler->interface) return unknown_name(name, error);
+  status = asc_spec_values(desc->spec, sampler->interface, values, error);
+  if (status) return status;
+  status = asc_spec_canonical(sampler->interface, values, sampler->spec);
+  if (status) return asc_fail(error, status, "out of memory");
+  sampler->resolved = (asc_sampler_desc){sizeof sampler->resolved, sampler->spec, desc->samples ? desc->samples : 1,
+                                         desc->dimensions ? desc->dimensions : 2, desc->seed};
+  if (sampler->resolved.samples > ASC_SEQUENCE_END)
+    return asc_fail(error, ASC_UNSUPPORTED, "%s: at most 2^53 points", name);
+  return ASC_OK;
+}
+
+asc_status asc_sampler_create(const asc_sampler_desc *desc, asc_sampler **sampler, asc_error *error) {
+  if (!desc || desc->struct_size != sizeof *desc || !desc->spec || !sampler)
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "asc_sampler_create: desc needs its struct_size and a spec");
+  *sampler = NULL;
+  asc_sampler *made = calloc(1, sizeof *made);
+  if (!made) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
+  double values[MOST_PARAMETERS];
+  asc_status status = resolve(made, desc, values, error);
+  if (status == ASC_OK) {
+    const asc_sampler_config config = {sizeof config, made->resolved.samples, made->resolved.dimensions,
+                                       made->resolved.seed, values};
+    status = made->interface->create(&config, &made->made, error);
+  }
+  if (status) {
+    free(made);
+    return status;
+  }
+  *sampler = made;
+  return ASC_OK;
+}
+
+void asc_sampler_destroy(asc_sampler *sampler) {
+  if (!sampler) return;
+  sampler->interface->destroy(sampler->made.state);
+  free(sampler);
+}
+
+asc_status asc_sampler_resolved(const asc_sampler *sampler, asc_sampler_desc *desc) {
+  if (!sampler || !desc) return ASC_INVALID_ARGUMENT;
+  *desc = sampler->resolved;
+  return ASC_OK;
+}
+
+uint32_t asc_sampler_traits(const asc_sampler *sampler) { return sampler ? sampler->made.traits : 0; }
+
+/* Within the sampler's end, without overflow. */
+static int holds(const asc_sampler *sampler, uint64_t first, size_t count) {
+  return first <= sampler->made.index_end && count <= sampler->made.index_end - first;
+}
+
+asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range *range, double *points) {
+  if (!sampler || !range || !points) return ASC_INVALID_ARGUMENT;
+  const uint32_t dimensions = sampler->resolved.dimensions;
+  if (range->first_dimension > dimensions || range->dimension_count > dimensions - range->first_dimension)
+    return ASC_INVALID_ARGUMENT;
+  if (!holds(sampler, range->first_sample, range->sample_count)) return ASC_UNSUPPORTED;
+  if (range->sample_count == 0 || range->dimension_count == 0) return ASC_OK;
+  asc_status status = sampler->interface->fill(sampler->made.state, range, points);
+  if (status) return status;
+  const size_t total = range->sample_count * range->dimension_count;
+  for (size_t i = 0; i < total; i++) /* would round to 1 as float */
+    points[i] = points[i] >= 1.0 - 0x1p-25 && points[i] < 1.0 ? 1.0 - 0x1p-24 : points[i];
+  return ASC_OK;
+}
+
+asc_status asc_sampler_weights(const asc_sampler *sampler, uint64_t first, size_t count, double *weights) {
+  if (!sampler || !weights) return ASC_INVALID_ARGUMENT;
+  if (!holds(sampler, first, count)) return ASC_UNSUPPORTED;
+  if (sampler->interface->weights) return sampler->interface->weights(sampler->made.state, first, count, weights);
+  for (size_t i = 0; i < count; i++) weights[i] = 1.0 / (double)sampler->resolved.samples;
+  return ASC_OK;
+}
+
+static asc_status check_parameters(const asc_sampler_interface *table, const char *path, asc_error *error) {
+  if (table->parameter_count > MOST_PARAMETERS || (table->parameter_count && !table->parameters))
+    return asc_fail(error, ASC_PLUGIN, "%s: a sampler has at most %d parameters", path, MOST_PARAMETERS);
+  for (size_t i = 0; i < table->parameter_count; i++) {
+    const asc_parameter *parameter = &table->parameters[i];
+    if (!parameter->name || !parameter->text || (parameter->kind == ASC_CHOICE) != (parameter->choices != NULL))
+      return asc_fail(error, ASC_PLUGIN, "%s: parameter %zu lacks its name, text or choices", path, i);
+  }
+  return ASC_OK;
+}
+
+static asc_status register_table(const asc_sampler_interface *table, const char *path, asc_error *error) {
+  if (!table)
+    return asc_fail(error, ASC_PLUGIN, "%s: has no \"%s\" for ABI version %u: build it against this version's headers",
+                    path, ASC_SAMPLER_INTERFACE_ID, ASC_ABI_VERSION);
+  if (table->struct_size < sizeof *table || !table->name || !table->title || !table->source || !table->create ||
+      !table->destroy || !table->fill)
+    return asc_fail(error, ASC_PLUGIN, "%s: its table of functions is too short or has gaps", path);
+  asc_status status = check_parameters(table, path, error);
+  if (status) return status;
+  if (find(table->name))
+    return asc_fail(error, ASC_PLUGIN, "%s: a sampler named \"%s\" is there already", path, table->name);
+  if (plugged_in_count == MOST_PLUGINS)
+    return asc_fail(error, ASC_PLUGIN, "%s: at most %d plugins can be loaded", path, MOST_PLUGINS);
+  plugged_in[plugged_in_count++] = table;
+  return ASC_OK;
+}
+
+asc_status asc_plugin_load(const char *path, asc_error *error) {
+  if (!path) return asc_fail(error, ASC_INVALID_ARGUMENT, "asc_plugin_load: no path");
+  void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+  if (!library) return asc_fail(error, ASC_PLUGIN, "%s: cannot be loaded: %s", path, dlerror());
+  asc_plugin_interface_function function = NULL;
+  void *symbol = dlsym(library, "asc_plugin_interface");
+  memcpy(&function, &symbol, sizeof function); /* ISO C has no cast from object to function pointer */
+  asc_status status = function
+                          ? register_table(function(ASC_ABI_VERSION, ASC_SAMPLER_INTERFACE_ID), path, error)
+                          : asc_fail(error, ASC_PLUGIN, "%s: exports no asc_plugin_interface", path);
+  if (status) (void)dlclose(library);
+  return status;
+}

@@ -1,0 +1,14 @@
+/* ASC_VECTORISE before a function compiles it once for each instruction set, chosen when the library is loaded. The
+ * functions marked compute with integers, or with floating-point steps that -ffp-contract=off keeps apart, so their
+ * bits are the same on each. Sanitizers instrument the choosing function before they are ready, so not under them. */
+#ifndef ASC_VECTORISE_H
+#define ASC_VECTORISE_H
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) &&               \
+    !defined(__SANITIZE_THREAD__)
+#define ASC_VECTORISE __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define ASC_VECTORISE
+#endif
+
+#endif

@@ -1,0 +1,42 @@
+/* The distribution ray tracer on Embree 3: its whole interface.
+ *
+ * The same scene, desc and seed give the same bits, whatever the number of threads or the order of tiles: which rays
+ * share a packet, and the order of every sum, follow from the pixel alone.
+ */
+#ifndef TRACER_H
+#define TRACER_H
+
+#include "aliascope/base.h"
+#include "aliascope/sampler.h"
+#include "aliascope/scene.h"
+
+typedef struct tracer tracer;
+
+/* Builds the acceleration structure. ASC_UNAVAILABLE where Embree will not start, ASC_INVALID_ARGUMENT for a scene
+ * that is not finite or names a material it does not have. */
+ASC_API asc_status tracer_create(const asc_scene *scene, tracer **made, asc_error *error);
+ASC_API void tracer_destroy(tracer *made);
+
+typedef struct tracer_desc {
+  size_t struct_size;
+  const asc_sampler *sampler;  /* its N is the number of samples a pixel; at least 2 dimensions; not owned */
+  uint32_t threads;            /* 0: 1 */
+} tracer_desc;
+
+typedef struct tracer_cost {
+  uint64_t samples;            /* all of them */
+  uint64_t primary_rays;
+  double cpu_seconds;          /* of the rendering threads together, without the build */
+  double wall_seconds;
+  double build_cpu_seconds;    /* of the acceleration structure */
+} tracer_cost;
+
+/* Renders into `pixels`, [height][width][3] float, linear RGB: the box filter's mean over each pixel, summed in double
+ * in the order of the samples. `cost` may be NULL. */
+ASC_API asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, tracer_cost *cost,
+                                 asc_error *error);
+
+/* Embree's version, as 31305 for 3.13.5. */
+ASC_API uint32_t tracer_embree_version(void);
+
+#endif

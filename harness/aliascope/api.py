@@ -1,0 +1,54 @@
+"""What the commands do, as functions on numpy arrays. Errors are those of `aliascope.errors`."""
+
+from __future__ import annotations
+
+from aliascope import metrics, references, renderers, scene_io
+from aliascope.errors import Unsupported
+from aliascope.native.samplers import points
+from aliascope.records import Pixels, Rendering
+from aliascope.references import Reference
+from aliascope.renderers.base import Request, lacks
+from aliascope.scene_io import SceneFile
+
+__all__ = ["error", "load_scene", "points", "reference", "render"]
+
+
+def load_scene(scene: str) -> SceneFile:
+    """A scene by its name in scenes/ or the path of a TOML file."""
+    return scene_io.load(scene)
+
+
+def render(
+    scene: str | SceneFile,
+    renderer: str,
+    mode: str,
+    *,
+    size: tuple[int, int] | None = None,
+    seed: int = 0,
+    threads: int = 1,
+    least_seconds: float = 0.0,
+) -> Rendering:
+    """One picture, in this process: `pixels` (height, width, 3) float32 linear RGB, row 0 on top, and its `cost`.
+
+    `least_seconds`: render again until the CPU time adds up to this, for a steady figure. Raises Unsupported where the
+    renderer cannot draw the scene, NotAvailable, JobFailed.
+    """
+    file = load_scene(scene) if isinstance(scene, str) else scene
+    found = renderers.find(renderer)
+    spec = renderers.mode_of(found, mode)
+    reason = lacks(found, file.scene, spec)
+    if reason:
+        raise Unsupported(f"{file.name}: {reason}")
+    width, height = size or file.scene.view.size
+    return found.render(Request(file.scene, width, height, spec, seed, threads, least_seconds))
+
+
+def reference(scene: str | SceneFile, *, size: tuple[int, int] | None = None) -> Reference:
+    """The exact picture of a scene under the box filter, made now. Raises Unsupported where there is none."""
+    file = load_scene(scene) if isinstance(scene, str) else scene
+    return references.make(file.scene, size or file.scene.view.size)
+
+
+def error(image: Pixels, reference: Pixels) -> dict[str, float | None]:
+    """The metrics of a picture (height, width, channels) against its reference, by name."""
+    return {name: measured.value for name, measured in metrics.measure(image, reference).items()}

@@ -1,0 +1,302 @@
+"""The command line. Each command says what it does with an example; errors are one line and an exit code."""
+
+from __future__ import annotations
+
+import json
+import os
+import shlex
+import sys
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
+
+import typer
+
+from aliascope.errors import AliascopeError, InvalidInput, NotWritable, near_misses
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+Json = Annotated[bool, typer.Option("--json", help="One JSON document on standard output, and nothing else there.")]
+Size = Annotated[
+    str | None,
+    typer.Option("--size", metavar="WxH", help="Pixels; keeps the vertical extent, the horizontal follows the aspect."),
+]
+Seed = Annotated[int, typer.Option("--seed", min=0, max=2**64 - 1, help="Of the random numbers.")]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from aliascope.places import own_version
+
+        typer.echo(f"aliascope {own_version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Measures how well renderers antialias, and what that costs."""
+
+
+def _size(text: str | None) -> tuple[int, int] | None:
+    if text is None:
+        return None
+    from aliascope.model import LARGEST_AREA, LARGEST_SIDE
+
+    width, cross, height = text.partition("x")
+    if not (cross and width.isdecimal() and height.isdecimal()):
+        raise InvalidInput(f'--size "{text}" is not of the form WxH, such as 128x96')
+    size = int(width), int(height)
+    if not all(1 <= side <= LARGEST_SIDE for side in size) or size[0] * size[1] > LARGEST_AREA:
+        raise InvalidInput(f"--size {text}: a side has 1 to {LARGEST_SIDE} pixels, a picture at most {LARGEST_AREA}")
+    return size
+
+
+def _print_json(document: Any) -> None:
+    typer.echo(json.dumps(document, allow_nan=False))
+
+
+# --- points -----------------------------------------------------------------------------------------------------------
+
+
+@app.command(epilog="Example: aliascope points sobol:scramble=owen -n 16 --seed 7")
+def points(
+    sampler: Annotated[str, typer.Argument(help="Spec of a sampler; see aliascope list samplers.")],
+    n: Annotated[int, typer.Option("-n", min=1, max=2**53, help="How many points.")],
+    d: Annotated[int, typer.Option("-d", min=1, max=65536, help="Dimensions.")] = 2,
+    seed: Seed = 0,
+    pixel: Annotated[str, typer.Option(metavar="X,Y", help="Of which pixel.")] = "0,0",
+    first: Annotated[int, typer.Option(min=0, max=2**53, help="Index of the first point.")] = 0,
+    weights: Annotated[bool, typer.Option("--weights", help="A last column with the weight of each point.")] = False,
+    out: Annotated[
+        Path | None, typer.Option("-o", metavar="FILE", help="A .csv, .npy, .svg or .png file instead.")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Print the points of a sampling pattern: CSV, no header, 17 significant digits."""
+    import numpy as np
+
+    from aliascope.native.samplers import Sampler
+
+    made = Sampler(sampler, n, d, seed)
+    place = _pixel(pixel)
+    chunk = 1 << 16
+
+    def rows() -> Any:
+        for begin in range(0, n, chunk):
+            count = min(chunk, n - begin)
+            values = made.points(count, first + begin, place)
+            yield np.column_stack([values, made.weights(count, first + begin)]) if weights else values
+
+    if as_json:
+        values = np.concatenate(list(rows()))
+        _print_json({"sampler": made.spec, "n": n, "d": d, "seed": seed, "points": values.tolist()})
+    elif out is None:
+        for values in rows():
+            np.savetxt(sys.stdout, values, fmt="%.17g", delimiter=",")
+    else:
+        from aliascope.studies.points import write_points
+
+        write_points(out, np.concatenate(list(rows())), made.spec)
+
+
+def _pixel(text: str) -> tuple[int, int]:
+    try:
+        x, y = (int(part) for part in text.split(","))
+    except ValueError:
+        raise InvalidInput(f'--pixel "{text}" is not of the form X,Y') from None
+    if not all(-(2**31) <= value < 2**31 for value in (x, y)):
+        raise InvalidInput(f"--pixel {text}: coordinates have 32 bits")
+    return x, y
+
+
+# --- list -------------------------------------------------------------------------------------------------------------
+
+
+@app.command("list", epilog="Example: aliascope list modes")
+def list_(
+    what: Annotated[str, typer.Argument(metavar="scenes|renderers|modes|samplers|filters|metrics")],
+    as_json: Json = False,
+) -> None:
+    """List what there is: scenes, renderers, modes, samplers, filters or metrics."""
+    from aliascope.studies.lists import LISTS
+
+    if what not in LISTS:
+        raise InvalidInput(f'cannot list "{what}"{near_misses(what, LISTS)}')
+    entries = LISTS[what]()
+    if as_json:
+        _print_json({what: entries})
+        return
+    for entry in entries:
+        typer.echo("  ".join(str(value) for value in entry.values() if isinstance(value, str)))
+        for key in entry.get("keys", []):
+            typer.echo(f"    {key}")
+
+
+# --- render, error, reference -----------------------------------------------------------------------------------------
+
+
+@app.command(epilog="Example: aliascope render edge -r embree -m uniform:n=64 -o edge.exr")
+def render(
+    scene: Annotated[str, typer.Argument(help="Name of a scene, or the path of a TOML file.")],
+    renderer: Annotated[str, typer.Option("-r", help="embree, povray or osmesa.")],
+    mode: Annotated[str, typer.Option("-m", help="Spec of a mode; see aliascope list modes.")],
+    out: Annotated[Path, typer.Option("-o", metavar="OUT.exr")],
+    seed: Seed = 0,
+    size: Size = None,
+    threads: Annotated[int, typer.Option(min=1, max=256)] = 1,
+    as_json: Json = False,
+) -> None:
+    """Render one scene with one renderer and mode, and say what it cost."""
+    from aliascope.studies.single import render_file
+
+    summary = render_file(scene, renderer, mode, out, seed, _size(size), threads)
+    if as_json:
+        _print_json(summary)
+    else:
+        typer.echo(
+            f"{out}: {summary['width']} x {summary['height']}, {summary['samples_per_pixel']:g} samples a pixel, "
+            f"{summary['cpu_seconds']:.3g} s of CPU time"
+        )
+
+
+@app.command(epilog="Example: aliascope error picture.exr reference/edge/128x96-box.exr --metric rmse,max")
+def error(
+    image: Annotated[Path, typer.Argument(help="Any picture that OpenImageIO reads, linear.")],
+    reference: Annotated[Path, typer.Argument()],
+    metric: Annotated[str | None, typer.Option(metavar="M,M...", help="Which; all of them if not said.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Measure a picture against a reference."""
+    from aliascope import metrics
+    from aliascope.image import read_image
+
+    measured = metrics.measure(read_image(image), read_image(reference), metrics.chosen(metric))
+    details = {key: value for each in measured.values() for key, value in each.details.items()}
+    if as_json:
+        _print_json({"metrics": {name: each.value for name, each in measured.items()}, "details": details})
+        return
+    for name, each in measured.items():
+        value = "none" if each.value is None else f"{each.value:.6g}"
+        extra = "  ".join(f"{key} {value}" for key, value in each.details.items())
+        typer.echo(f"{name:<14}{value:>14}  {extra}".rstrip())
+
+
+@app.command(epilog="Example: aliascope reference edge --verify")
+def reference(
+    scenes: Annotated[list[str], typer.Argument(metavar="SCENE...")],
+    verify: Annotated[bool, typer.Option("--verify", help="Make them again and compare; change nothing.")] = False,
+    size: Size = None,
+    out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Instead of reference/.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Make the exact references of scenes, or check those that are there."""
+    from aliascope import places
+    from aliascope.studies import single
+
+    folder = out or places.REFERENCES
+    work = single.verify_reference if verify else single.make_reference
+    results = [work(scene, folder, _size(size)) for scene in scenes]
+    if as_json:
+        _print_json({"references": results})
+    else:
+        for result in results:
+            typer.echo(result["text"])
+    if not all(result["holds"] for result in results):
+        raise typer.Exit(1)
+
+
+# --- compare ----------------------------------------------------------------------------------------------------------
+
+
+@app.command(epilog="Example: aliascope compare edge discs -r embree -r povray --profile quick -o results")
+def compare(
+    scenes: Annotated[list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, TOML files.")] = None,
+    renderer: Annotated[list[str] | None, typer.Option("-r", help="Renderer; may stand several times.")] = None,
+    mode: Annotated[
+        list[str] | None, typer.Option("-m", help="Mode, or a pattern of the profile's; may stand several times.")
+    ] = None,
+    profile: Annotated[str, typer.Option(help="quick or full.")] = "quick",
+    out: Annotated[Path, typer.Option("-o", metavar="DIR")] = Path("aliascope-results"),
+    processes: Annotated[
+        int, typer.Option("-j", min=1, max=64, help="Jobs side by side; more than 1 inflates their times.")
+    ] = 1,
+    size: Size = None,
+    time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that one job may take.")] = 120.0,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be rendered, and end.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on in a folder that must be there already.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Render scenes with all renderers and modes, measure them, and write a report.
+
+    Pictures that the folder already has are not rendered again.
+    """
+    from aliascope.pipeline import Options
+    from aliascope.studies import compare as study
+    from aliascope.studies import selection
+
+    if resume and not (out / "results.sqlite").is_file():
+        raise InvalidInput(f"{out}: has no results to resume; leave --resume out to begin")
+    plan = selection.plan_of(scenes or [], renderer or [], mode or [], profile, _size(size))
+    if dry_run:
+        _dry_run(plan, as_json)
+        return
+    from aliascope.studies.progress import progress_bar
+
+    command = shlex.join(["aliascope", *sys.argv[1:]])
+    with progress_bar() as progress:
+        result = study.compare(plan, out, Options(processes, time_limit), command, progress)
+    summary = study.summary(result, plan)
+    if as_json:
+        _print_json(summary)
+    else:
+        for line in study.summary_lines(result, plan):
+            typer.echo(line)
+    if summary["failed"]:
+        raise typer.Exit(4)
+
+
+def _dry_run(plan: Any, as_json: bool) -> None:
+    if as_json:
+        jobs = [{"scene": j.scene, "renderer": j.renderer, "mode": j.mode, "seed": j.seed} for j in plan.jobs]
+        _print_json({"jobs": jobs, "skipped": dict(plan.skipped)})
+        return
+    for job in sorted(plan.jobs, key=lambda job: (job.scene, job.renderer, job.mode, job.seed)):
+        typer.echo(f"{job.scene}  {job.renderer}  {job.mode}  seed {job.seed}")
+    typer.echo(f"{len(plan.jobs)} pictures")
+    for name, reason in plan.skipped.items():
+        typer.echo(f"skipped {name}: {reason}")
+
+
+# --- errors -----------------------------------------------------------------------------------------------------------
+
+
+def main() -> NoReturn:
+    """Runs a command; ends with the exit code that DESIGN.md's table gives."""
+    try:
+        app()
+    except AliascopeError as problem:
+        sys.exit(_complain(str(problem), problem.exit_code))
+    except BrokenPipeError:
+        # The reader of our output has gone, as in `aliascope points ... | head`.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
+    except OSError as problem:
+        sys.exit(_complain(str(problem), NotWritable.exit_code))
+
+
+def _complain(message: str, code: int) -> int:
+    print(f"aliascope: {' '.join(message.split())}", file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,59 @@
+"""The exceptions of aliascope. Each is one line for a person: what is wrong, where, and what to do.
+
+`exit_code` is what the command line ends with: 1 the check failed, 2 usage or invalid input, 3 a renderer or library
+that was asked for is not there, 4 a job crashed, hung or could not be written.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class AliascopeError(Exception):
+    """The root of the tree; never raised itself."""
+
+    exit_code = 4
+
+
+class CheckFailed(AliascopeError):
+    """A comparison came out wrong: a regression, a reference that is missing or does not hold."""
+
+    exit_code = 1
+
+
+class InvalidInput(AliascopeError):
+    """A scene, spec, picture or argument that can't be used."""
+
+    exit_code = 2
+
+
+class SpecError(InvalidInput):
+    """An unknown name or key of a spec, or a value outside its range."""
+
+
+class Unsupported(InvalidInput):
+    """A request that is well formed but does not exist: 17 samples of a 4 x 4 grid."""
+
+
+class NotAvailable(AliascopeError):
+    """A renderer or library that was asked for is not installed or does not start."""
+
+    exit_code = 3
+
+
+class JobFailed(AliascopeError):
+    """A renderer crashed, hung, or left no picture."""
+
+
+class NotWritable(AliascopeError):
+    """A file or folder of results could not be written."""
+
+
+def near_misses(word: str, known: Iterable[str]) -> str:
+    """The tail of an error about an unknown word: `; did you mean "x"?`, or the list of what is known."""
+    names = sorted(known)
+    close = difflib.get_close_matches(word, names, n=3, cutoff=0.6)
+    if close:
+        return "; did you mean " + " or ".join(f'"{name}"' for name in close) + "?"
+    return "; known: " + ", ".join(names) if names else ""

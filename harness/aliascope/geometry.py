@@ -1,0 +1,151 @@
+"""From a scene to numbers that every renderer and reference shares: the frame of the view, the triangles."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from aliascope.model import Disc, Polygon, Scene, Sphere, Vector
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The view in numbers. right, up, forward: orthonormal (3,) float64.
+
+    Picture position (px, py), in pixels from the left and top border, lies at u = (2 px / width - 1) half_width along
+    right and v = (1 - 2 py / height) half_height along up: a perspective ray goes from eye along forward + u right +
+    v up, an orthographic one from eye + u right + v up along forward.
+    """
+
+    perspective: bool
+    width: int
+    height: int
+    eye: Array
+    right: Array
+    up: Array
+    forward: Array
+    half_width: float
+    half_height: float
+
+    @property
+    def pixel(self) -> float:
+        """The side of a pixel, in the units of u and v."""
+        return 2.0 * self.half_height / self.height
+
+
+def frame_of(scene: Scene, size: tuple[int, int] | None = None) -> Frame:
+    """The frame of a scene's camera. Another `size` keeps the vertical extent; the horizontal one follows the aspect."""
+    width, height = size or scene.view.size
+    camera = scene.camera
+    eye = np.array(camera.eye)
+    forward = np.array(camera.look_at) - eye
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, np.array(camera.up))
+    right /= np.linalg.norm(right)
+    up = np.cross(right, forward)
+    if camera.height is not None:
+        half_height = camera.height / 2.0
+    else:
+        assert camera.vertical_fov_degrees is not None  # the model's validator holds this
+        half_height = math.tan(math.radians(camera.vertical_fov_degrees) / 2.0)
+    return Frame(
+        perspective=camera.type == "perspective",
+        width=width,
+        height=height,
+        eye=eye,
+        right=right,
+        up=up,
+        forward=forward,
+        half_width=half_height * width / height,
+        half_height=half_height,
+    )
+
+
+def plane_axes(points: Array) -> tuple[Array, Array, Array]:
+    """Two orthonormal axes within the plane of a polygon's points (n, 3), and its unit normal (Newell 1972)."""
+    following = np.roll(points, -1, axis=0)
+    centred, after = points - points[0], following - points[0]
+    normal = np.cross(centred, after).sum(axis=0)
+    length = float(np.linalg.norm(normal))
+    if length == 0.0:
+        raise ValueError("the polygon has no area")
+    normal /= length
+    smallest = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    first = np.cross(normal, smallest)
+    first /= np.linalg.norm(first)
+    return first, np.cross(normal, first), normal
+
+
+def triangulate(polygon: Polygon) -> Array:
+    """The triangles of a planar simple polygon, (n, 3, 3) float64, its own corners only.
+
+    Raises ValueError for a polygon that crosses itself, has no area or does not lie in a plane.
+    """
+    points = np.array(polygon.points)
+    if len(points) == 3:
+        plane_axes(points)
+        return points[np.newaxis]
+    first, second, normal = plane_axes(points)
+    relative = points - points[0]
+    extent = float(np.abs(relative).max())
+    if float(np.abs(relative @ normal).max()) > 1e-9 * extent:
+        raise ValueError("the points of the polygon do not lie in one plane")
+    flat = np.column_stack([relative @ first, relative @ second])
+    outline = shapely.Polygon(flat)
+    if not outline.is_valid:
+        raise ValueError("the polygon crosses or touches itself")
+    pieces = shapely.constrained_delaunay_triangles(outline).geoms
+    corners = np.array([np.asarray(piece.exterior.coords)[:3] for piece in pieces])
+    distance = np.linalg.norm(corners[:, :, np.newaxis, :] - flat, axis=3)
+    nearest: Array = points[np.argmin(distance, axis=2)]
+    return nearest
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """A scene's surfaces as arrays; materials by index into `materials`, its names in order of first use.
+
+    triangles (n, 3, 3), triangle_material (n,); discs and spheres as the scene states them.
+    """
+
+    materials: tuple[str, ...]
+    triangles: Array
+    triangle_material: NDArray[np.uint32]
+    discs: tuple[tuple[Vector, Vector, float, int], ...]
+    spheres: tuple[tuple[Vector, float, int], ...]
+
+
+def surfaces_of(scene: Scene) -> Surfaces:
+    """The surfaces of a scene. Only those are here that a renderer was found able to draw (see `Scene.features`)."""
+    names = tuple(dict.fromkeys(surface.material for surface in scene.surfaces))
+    index = {name: i for i, name in enumerate(names)}
+    triangles: list[Array] = []
+    material: list[NDArray[np.uint32]] = []
+    discs: list[tuple[Vector, Vector, float, int]] = []
+    spheres: list[tuple[Vector, float, int]] = []
+    for surface in scene.surfaces:
+        number = index[surface.material]
+        match surface:
+            case Polygon():
+                pieces = triangulate(surface)
+                triangles.append(pieces)
+                material.append(np.full(len(pieces), number, np.uint32))
+            case Disc(centre=centre, normal=normal, radius=radius):
+                discs.append((centre, normal, radius, number))
+            case Sphere(centre=centre, radius=radius):
+                spheres.append((centre, radius, number))
+            case _:
+                raise ValueError(f"a {surface.type} has no arrays")
+    return Surfaces(
+        materials=names,
+        triangles=np.concatenate(triangles) if triangles else np.zeros((0, 3, 3)),
+        triangle_material=np.concatenate(material) if material else np.zeros(0, np.uint32),
+        discs=tuple(discs),
+        spheres=tuple(spheres),
+    )

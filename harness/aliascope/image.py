@@ -1,0 +1,79 @@
+"""Pictures on disk, through OpenImageIO: EXR float32 with provenance in the header, written whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813  # the name that its own documentation uses
+
+from aliascope.errors import InvalidInput, NotWritable
+from aliascope.records import Pixels
+
+HEADER_PREFIX = "aliascope:"
+
+
+def write_exr(path: Path, pixels: Pixels, header: Mapping[str, str]) -> None:
+    """Writes (height, width, channels) float32 as EXR; the header's entries get the prefix `aliascope:`.
+
+    The file appears under its name only when it is complete. Raises NotWritable.
+    """
+    height, width, channels = pixels.shape
+    spec = oiio.ImageSpec(width, height, channels, "float")
+    spec.attribute("compression", "zip")
+    spec.attribute("oiio:ColorSpace", "lin_rec709_scene")
+    for key, value in header.items():
+        spec.attribute(HEADER_PREFIX + key, value)
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}.exr")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        out = oiio.ImageOutput.create(str(temporary))
+        if out is None:
+            raise NotWritable(f"{path}: {oiio.geterror()}")
+        if not (out.open(str(temporary), spec) and out.write_image(np.ascontiguousarray(pixels)) and out.close()):
+            raise NotWritable(f"{path}: cannot be written: {out.geterror()}")
+        temporary.replace(path)
+    except OSError as error:
+        raise NotWritable(f"{path}: cannot be written: {error.strerror}") from error
+    finally:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
+
+
+def read_image(path: Path) -> Pixels:
+    """Any picture that OpenImageIO reads, as float32 (height, width, channels), as stored: no colour conversion."""
+    if not path.is_file():
+        raise InvalidInput(f"{path}: there is no such file")
+    image = oiio.ImageInput.open(str(path))
+    if image is None:
+        raise InvalidInput(f"{path}: not a picture that can be read: {_first_line(oiio.geterror())}")
+    try:
+        pixels = image.read_image(oiio.FLOAT)
+        if pixels is None:
+            raise InvalidInput(f"{path}: the picture is broken: {_first_line(image.geterror())}")
+        return np.asarray(pixels, dtype=np.float32)
+    finally:
+        image.close()
+
+
+def read_header(path: Path) -> dict[str, str]:
+    """The provenance in a picture's header, without the prefix; empty where there is none."""
+    image = oiio.ImageInput.open(str(path))
+    if image is None:
+        raise InvalidInput(f"{path}: not a picture that can be read: {_first_line(oiio.geterror())}")
+    try:
+        attributes = image.spec().extra_attribs
+        return {
+            attribute.name.removeprefix(HEADER_PREFIX): str(attribute.value)
+            for attribute in attributes
+            if attribute.name.startswith(HEADER_PREFIX)
+        }
+    finally:
+        image.close()
+
+
+def _first_line(text: str) -> str:
+    return text.strip().splitlines()[0] if text.strip() else "no reason given"

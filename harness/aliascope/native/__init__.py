@@ -1,0 +1,1 @@
+"""The C libraries, wrapped with cffi in API mode. Each is loaded only when it is used."""

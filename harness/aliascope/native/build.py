@@ -1,0 +1,63 @@
+"""Builds the cffi modules in API mode, their declarations generated from the C headers by the preprocessor.
+
+Run by make, after the shared libraries: python build.py SCRATCH_FOLDER. API mode, compiled with errors for pointers of
+the wrong type: the mode that reads declarations at run time takes a wrong field of a struct in silence.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from cffi import FFI
+
+HERE = Path(__file__).parent
+SOURCE = HERE.parents[2] / "csrc"
+INCLUDE = [SOURCE / "include", SOURCE / "tracer", SOURCE / "raster"]
+
+MODULES = {
+    "_sampler": ("aliascope", ["aliascope/plugin.h"]),
+    "_tracer": ("aliascope-tracer", ["tracer.h"]),
+    "_raster": ("aliascope-raster", ["raster.h"]),
+}
+
+
+def declarations(headers: list[str]) -> str:
+    """What the project's own headers declare, macros expanded; the system's types are known to cffi."""
+    text = "".join(f'#include "{header}"\n' for header in headers)
+    command = ["cc", "-E", "-DASC_CDEF", *(f"-I{folder}" for folder in INCLUDE), "-x", "c", "-"]
+    expanded = subprocess.run(command, input=text, capture_output=True, text=True, check=True).stdout
+    own, lines = False, []
+    for line in expanded.splitlines():
+        marker = re.match(r'# \d+ "([^"]*)"', line)
+        if marker:
+            own = str(SOURCE) in marker[1]
+        elif own:
+            lines.append(line)
+    return "\n".join(lines)
+
+
+def main() -> None:
+    scratch = Path(sys.argv[1])
+    for name, (library, headers) in MODULES.items():
+        builder = FFI()
+        builder.cdef(declarations(headers))
+        builder.set_source(
+            f"aliascope.native.{name}",
+            "".join(f'#include "{header}"\n' for header in headers),
+            include_dirs=[str(folder) for folder in INCLUDE],
+            library_dirs=[str(HERE / "lib")],
+            libraries=["aliascope", library] if library != "aliascope" else [library],
+            extra_compile_args=["-std=c11", "-O2", "-Werror=incompatible-pointer-types"],
+            extra_link_args=["-Wl,-rpath,$ORIGIN/lib"],
+        )
+        built = Path(builder.compile(tmpdir=str(scratch / name)))
+        for stale in HERE.glob(f"{name}.*.so"):
+            stale.unlink()
+        (HERE / built.name).write_bytes(built.read_bytes())
+
+
+if __name__ == "__main__":
+    main()

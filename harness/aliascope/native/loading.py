@@ -1,0 +1,42 @@
+"""Loading the libraries when they are first used, and turning their statuses into exceptions."""
+
+from __future__ import annotations
+
+import functools
+import importlib
+from typing import Any
+
+from aliascope.errors import AliascopeError, InvalidInput, JobFailed, NotAvailable, SpecError, Unsupported
+
+_EXCEPTIONS: dict[str, type[AliascopeError]] = {
+    "INVALID_ARGUMENT": InvalidInput,
+    "UNKNOWN_NAME": SpecError,
+    "UNKNOWN_KEY": SpecError,
+    "INVALID_VALUE": SpecError,
+    "UNSUPPORTED": Unsupported,
+    "UNAVAILABLE": NotAvailable,
+    "PLUGIN": InvalidInput,
+}
+
+
+@functools.cache
+def module(name: str, needs: str) -> Any:
+    """The compiled module `_sampler`, `_tracer` or `_raster`. Raises NotAvailable, naming what it `needs`."""
+    try:
+        return importlib.import_module(f"aliascope.native.{name}")
+    except ImportError as error:
+        raise NotAvailable(f"{needs} cannot be loaded ({error}); install it and run make") from error
+
+
+def error_box(ffi: Any) -> Any:
+    """An asc_error to hand to a call."""
+    return ffi.new("asc_error *")
+
+
+def check(compiled: Any, status: int, box: Any = None) -> None:
+    """Raises the exception of a status, with the message in `box` where the call left one; ASC_OK passes."""
+    if status == compiled.lib.ASC_OK:
+        return
+    text = compiled.ffi.string(box.text).decode(errors="replace") if box is not None else ""
+    name = str(compiled.ffi.typeof("asc_status").elements.get(status, "")).removeprefix("ASC_")
+    raise _EXCEPTIONS.get(name, JobFailed)(text or name.replace("_", " ").lower())

@@ -1,0 +1,93 @@
+"""The rasteriser of the C library on OSMesa (llvmpipe)."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aliascope.model import Scene
+from aliascope.native.loading import check, error_box, module
+from aliascope.native.scene import pack
+from aliascope.records import Pixels
+
+MULTISAMPLES = 4
+"""GL_MAX_SAMPLES of llvmpipe: a pass has 1 sample a pixel, or this many."""
+
+
+def _library() -> Any:
+    # Mesa reads it once, when the first context is made: 0 draws in the calling thread, whose time is what is measured.
+    os.environ["LP_NUM_THREADS"] = "0"
+    return module("_raster", "OSMesa (Debian: libosmesa6)")
+
+
+def describe() -> tuple[str, str]:
+    """GL_RENDERER and GL_VERSION: "llvmpipe (LLVM 15.0.6, 256 bits)", "4.5 (Core Profile) Mesa 22.3.6".
+
+    Raises NotAvailable.
+    """
+    library = _library()
+    text = library.ffi.new("char[]", 256)
+    check(library, library.lib.raster_describe(text, len(text)))
+    renderer, _, version = library.ffi.string(text).decode(errors="replace").partition("; ")
+    return renderer, version
+
+
+def sample_positions() -> NDArray[np.float64]:
+    """The multisample pattern: (4, 2) float64 in [0, 1), from the left and top border of the pixel.
+
+    Raises NotAvailable, and Unsupported where OSMesa has no multisampling (softpipe).
+    """
+    library, positions = _library(), np.empty((MULTISAMPLES, 2))
+    box = error_box(library.ffi)
+    check(library, library.lib.raster_sample_positions(library.ffi.from_buffer("double[]", positions), box), box)
+    return positions
+
+
+@dataclass(frozen=True)
+class RasterCost:
+    """Of one picture: all its samples; time of drawing, reading back and summing, on the CPU and by the clock."""
+
+    samples: int
+    cpu_seconds: float
+    wall_seconds: float
+
+
+class Raster:
+    """A scene, loaded into a context of its own for one size of picture. Raises NotAvailable, InvalidInput."""
+
+    def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
+        library = _library()
+        packed, keep = pack(library.ffi, scene, size)
+        out, box = library.ffi.new("raster **"), error_box(library.ffi)
+        check(library, library.lib.raster_create(packed, out, box), box)
+        keep.clear()
+        self._handle = library.ffi.gc(out[0], library.lib.raster_destroy)
+        self._library, self._size = library, size
+
+    def render(
+        self, offsets: NDArray[np.float64], weights: NDArray[np.float64], samples_per_pass: int = 1
+    ) -> tuple[Pixels, RasterCost]:
+        """The weighted sum of one pass for each offset: (height, width, 3) float32, linear RGB.
+
+        offsets: (passes, 2) in [0, 1), where in the pixel each pass samples, from its left and top border; with 4
+        samples a pass their pattern is moved by offset - 0.5. weights: (passes,), which should sum to 1.
+        """
+        library, (width, height) = self._library, self._size
+        if offsets.shape != (len(weights), 2):
+            raise ValueError(f"{len(weights)} weights and offsets of shape {offsets.shape}")
+        offsets = np.ascontiguousarray(offsets, np.float64)
+        weights = np.ascontiguousarray(weights, np.float64)
+        desc = library.ffi.new("raster_desc *")
+        desc.struct_size, desc.samples_per_pass = library.ffi.sizeof("raster_desc"), samples_per_pass
+        desc.offsets = library.ffi.from_buffer("double[]", offsets)
+        desc.weights = library.ffi.from_buffer("double[]", weights)
+        desc.pass_count = len(weights)
+        pixels = np.empty((height, width, 3), np.float32)
+        cost, box = library.ffi.new("raster_cost *"), error_box(library.ffi)
+        target = library.ffi.from_buffer("float[]", pixels)
+        check(library, library.lib.raster_render(self._handle, desc, target, cost, box), box)
+        return pixels, RasterCost(cost.samples, cost.cpu_seconds, cost.wall_seconds)

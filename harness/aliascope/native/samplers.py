@@ -1,0 +1,129 @@
+"""Sampling patterns of the C library, as numpy arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aliascope.native.loading import check, error_box, module
+
+
+def _library() -> Any:
+    return module("_sampler", "the library libaliascope")
+
+
+class Sampler:
+    """An immutable sampler of the C library.
+
+    spec: "name:key=value,..."; samples: N, the points of one pixel; dimensions; seed: 0 to 2^64 - 1.
+    Raises SpecError for an unknown name, key or value, Unsupported for a count that the pattern cannot have.
+    """
+
+    def __init__(self, spec: str, samples: int = 1, dimensions: int = 2, seed: int = 0) -> None:
+        library = _library()
+        text = library.ffi.new("char[]", spec.encode())
+        desc = library.ffi.new("asc_sampler_desc *")
+        desc.struct_size = library.ffi.sizeof("asc_sampler_desc")
+        desc.spec, desc.samples, desc.dimensions, desc.seed = text, samples, dimensions, seed
+        out, box = library.ffi.new("asc_sampler **"), error_box(library.ffi)
+        check(library, library.lib.asc_sampler_create(desc, out, box), box)
+        self.handle = library.ffi.gc(out[0], library.lib.asc_sampler_destroy)
+        self.dimensions = dimensions
+        self._library = library
+
+    def points(self, count: int, first: int = 0, pixel: tuple[int, int] = (0, 0)) -> NDArray[np.float64]:
+        """Samples [first, first + count) of a pixel: (count, dimensions) float64 in [0, 1)."""
+        library = self._library
+        made = np.empty((count, self.dimensions))
+        span = library.ffi.new("asc_range *", [*pixel, first, count, 0, self.dimensions])
+        check(library, library.lib.asc_sampler_fill(self.handle, span, library.ffi.from_buffer("double[]", made)))
+        return made
+
+    def weights(self, count: int, first: int = 0) -> NDArray[np.float64]:
+        """(count,) float64: those of a quadrature rule, else 1/N."""
+        library = self._library
+        made = np.empty(count)
+        buffer = library.ffi.from_buffer("double[]", made)
+        check(library, library.lib.asc_sampler_weights(self.handle, first, count, buffer))
+        return made
+
+    @property
+    def spec(self) -> str:
+        """The canonical spec."""
+        library = self._library
+        desc = library.ffi.new("asc_sampler_desc *")
+        check(library, library.lib.asc_sampler_resolved(self.handle, desc))
+        return str(library.ffi.string(desc.spec).decode())
+
+    @property
+    def randomised(self) -> bool:
+        """Whether the points depend on seed and pixel."""
+        library = self._library
+        return bool(library.lib.asc_sampler_traits(self.handle) & library.lib.ASC_TRAIT_RANDOMISED)
+
+
+def canonical(spec: str) -> str:
+    """The canonical form of a sampler's spec. Raises SpecError."""
+    return Sampler(spec).spec
+
+
+def points(
+    spec: str,
+    n: int,
+    dimensions: int = 2,
+    seed: int = 0,
+    pixel: tuple[int, int] = (0, 0),
+    first: int = 0,
+) -> NDArray[np.float64]:
+    """n points of one pixel, (n, dimensions) float64 in [0, 1), those of index `first` to first + n - 1.
+
+    A pattern that is no sequence has N = n points, so for it `first` is 0. Raises SpecError; Unsupported for a count,
+    dimension or index that the pattern does not have.
+
+    >>> points("sobol", 4).tolist()
+    [[0.0, 0.0], [0.5, 0.5], [0.25, 0.75], [0.75, 0.25]]
+    """
+    return Sampler(spec, n, dimensions, seed).points(n, first, pixel)
+
+
+def weights(spec: str, n: int, dimensions: int = 2) -> NDArray[np.float64]:
+    """The weights of n points, (n,) float64."""
+    return Sampler(spec, n, dimensions).weights(n)
+
+
+def randomised(spec: str, n: int, dimensions: int = 2) -> bool:
+    """Whether this pattern depends on seed and pixel."""
+    return Sampler(spec, n, dimensions).randomised
+
+
+@dataclass(frozen=True)
+class SamplerInfo:
+    """One line of `aliascope list samplers`; parameters as "key=default (help)"."""
+
+    name: str
+    title: str
+    source: str
+    parameters: tuple[str, ...]
+
+
+def registered() -> list[SamplerInfo]:
+    """All samplers that are registered, built-in ones first."""
+    library = _library()
+
+    def text(pointer: Any) -> str:
+        return str(library.ffi.string(pointer).decode())
+
+    found = []
+    for index in range(library.lib.asc_sampler_count()):
+        info = library.ffi.new("asc_sampler_info *")
+        check(library, library.lib.asc_sampler_describe(index, info))
+        parameters = []
+        for number in range(info.parameter_count):
+            entry = info.parameters[number]
+            values = text(entry.choices) if entry.choices else f"{entry.minimum:g}..{entry.maximum:g}"
+            parameters.append(f"{text(entry.name)}={values}: {text(entry.text)}")
+        found.append(SamplerInfo(text(info.name), text(info.title), text(info.source), tuple(parameters)))
+    return found

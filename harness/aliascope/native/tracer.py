@@ -1,0 +1,62 @@
+"""The tracer of the C library on Embree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from aliascope.model import Scene
+from aliascope.native import samplers
+from aliascope.native.loading import check, error_box, module
+from aliascope.native.scene import pack
+from aliascope.records import Pixels
+
+
+def _library() -> Any:
+    return module("_tracer", "Embree 3 (Debian: libembree3-3)")
+
+
+def embree_version() -> str:
+    """ "3.13.5". Raises NotAvailable."""
+    number = int(_library().lib.tracer_embree_version())
+    return f"{number // 10000}.{number // 100 % 100}.{number % 100}"
+
+
+@dataclass(frozen=True)
+class TracerCost:
+    """Of one picture: all samples and primary rays; CPU time of the rendering threads, without `build_cpu_seconds`."""
+
+    samples: int
+    primary_rays: int
+    cpu_seconds: float
+    wall_seconds: float
+    build_cpu_seconds: float
+
+
+class Tracer:
+    """A scene, built for one size of picture. Raises NotAvailable, InvalidInput."""
+
+    def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
+        library = _library()
+        packed, keep = pack(library.ffi, scene, size)
+        out, box = library.ffi.new("tracer **"), error_box(library.ffi)
+        check(library, library.lib.tracer_create(packed, out, box), box)
+        keep.clear()
+        self._handle = library.ffi.gc(out[0], library.lib.tracer_destroy)
+        self._library, self._size = library, size
+
+    def render(self, sampler: str, samples: int, seed: int = 0, threads: int = 1) -> tuple[Pixels, TracerCost]:
+        """The box-filtered picture, (height, width, 3) float32 linear RGB, from `samples` points a pixel."""
+        library, (width, height) = self._library, self._size
+        pattern = samplers.Sampler(sampler, samples, 2, seed)
+        desc = library.ffi.new("tracer_desc *")
+        desc.struct_size, desc.threads = library.ffi.sizeof("tracer_desc"), threads
+        desc.sampler = library.ffi.cast("asc_sampler *", pattern.handle)
+        pixels = np.empty((height, width, 3), np.float32)
+        cost, box = library.ffi.new("tracer_cost *"), error_box(library.ffi)
+        target = library.ffi.from_buffer("float[]", pixels)
+        check(library, library.lib.tracer_render(self._handle, desc, target, cost, box), box)
+        figures = (cost.samples, cost.primary_rays, cost.cpu_seconds, cost.wall_seconds, cost.build_cpu_seconds)
+        return pixels, TracerCost(*figures)

@@ -1,0 +1,286 @@
+"""Joins the stages: plan, render in worker processes, measure, keep."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import multiprocessing
+import signal
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future
+from concurrent.futures import TimeoutError as FutureTimeout
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from pebble import ProcessExpired, ProcessPool
+
+from aliascope import image, metrics, places, plan, renderers
+from aliascope.errors import AliascopeError, JobFailed, NotAvailable
+from aliascope.records import EmptyCell, Job, Outcome, Pixels, Rendering
+from aliascope.renderers.base import LEAST_SECONDS, Renderer, Request, lacks
+from aliascope.scene_io import SceneFile
+from aliascope.specs import Spec
+from aliascope.store import Store
+
+GRACE_SECONDS = 20.0
+"""How much longer than its own time limit a job may take before its process is ended from outside."""
+
+
+Progress = Callable[[Job | None, int, int], None]
+"""Told of the job that begins (None at the end), how many are done, and how many there are to do."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to run: processes side by side (timed jobs go one at a time: 1), seconds that one job may take."""
+
+    processes: int = 1
+    time_limit: float = 120.0
+    least_seconds: float = LEAST_SECONDS
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Jobs in the order in which they run; cells that stay empty; renderers that are not there, with the reason."""
+
+    jobs: tuple[Job, ...]
+    empty: tuple[EmptyCell, ...]
+    skipped: Mapping[str, str]
+    files: Mapping[str, SceneFile]
+    versions: Mapping[str, str]
+
+
+# --- plan -------------------------------------------------------------------------------------------------------------
+
+
+@functools.cache
+def code_digest() -> str:
+    """A hash of the code that pictures depend on: when it changes, they are made again."""
+    here = Path(__file__).parent
+    sources = [here / "geometry.py", *(here / "renderers").glob("*.py"), *(here / "native").glob("*.py")]
+    digest = hashlib.sha256()
+    for path in sorted([*sources, *(here / "native" / "lib").glob("*.so")]):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def make_plan(
+    files: Sequence[SceneFile],
+    wanted: Mapping[str, Sequence[str]],
+    seeds: int,
+    size: tuple[int, int] | None = None,
+    required: Sequence[str] = (),
+) -> Plan:
+    """The jobs of these scenes with these modes by renderer; a randomised mode gets `seeds` pictures.
+
+    Raises NotAvailable for a `required` renderer that is not there, SpecError for a mode that can't be read.
+    """
+    jobs: list[Job] = []
+    empty: list[EmptyCell] = []
+    skipped: dict[str, str] = {}
+    versions: dict[str, str] = {}
+    for name, modes in wanted.items():
+        renderer = renderers.find(name)
+        specs = {spec.text: spec for spec in (renderers.mode_of(renderer, mode) for mode in modes)}
+        try:
+            own = dict(renderer.versions())
+        except NotAvailable as error:
+            if name in required:
+                raise
+            skipped[name] = str(error)
+            continue
+        versions.update(own)
+        for file in files:
+            for spec in specs.values():
+                reason = lacks(renderer, file.scene, spec)
+                if reason:
+                    empty.append(EmptyCell(file.name, name, spec.text, reason))
+                else:
+                    jobs += _jobs(file, renderer, spec, seeds, size, own)
+    # By key, that is by chance: the time left can be told from the count, and no mode has the cold machine to itself.
+    jobs.sort(key=lambda job: job.key)
+    return Plan(tuple(jobs), tuple(empty), skipped, {file.name: file for file in files}, versions)
+
+
+def _jobs(
+    file: SceneFile,
+    renderer: Renderer,
+    spec: Spec,
+    seeds: int,
+    size: tuple[int, int] | None,
+    versions: Mapping[str, str],
+) -> Iterator[Job]:
+    for seed in range(seeds if renderer.seeded(spec) else 1):
+        yield plan.make_job(
+            scene=file.name,
+            scene_path=str(file.path),
+            digest=file.scene.digest(),
+            renderer=renderer.name,
+            mode=spec.text,
+            size=size or file.scene.view.size,
+            seed=seed,
+            versions={**versions, "code": code_digest()},
+        )
+
+
+# --- run --------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Timed:
+    """What a worker sends back, and how long it rendered by the clock on the wall, repeats and all."""
+
+    rendering: Rendering
+    seconds: float
+
+
+def render_job(file: SceneFile, job: Job, options: Options) -> Timed:
+    """Renders one job. Runs in a worker process."""
+    renderer = renderers.find(job.renderer)
+    begun = time.perf_counter()
+    request = Request(
+        scene=file.scene,
+        width=job.width,
+        height=job.height,
+        mode=renderers.mode_of(renderer, job.mode),
+        seed=job.seed,
+        least_seconds=options.least_seconds,
+        time_limit=options.time_limit,
+    )
+    rendering = renderer.render(request)
+    return Timed(rendering, time.perf_counter() - begun)
+
+
+@contextmanager
+def _pool(processes: int) -> Iterator[ProcessPool]:
+    """Workers that a crash or a time limit of one job leaves standing; started afresh, not forked, since the parent has
+    threads."""
+    pool = ProcessPool(
+        max_workers=processes,
+        context=multiprocessing.get_context("spawn"),
+        initializer=signal.signal,
+        initargs=(signal.SIGINT, signal.SIG_IGN),  # Ctrl-C is the parent's to handle
+    )
+    try:
+        yield pool
+        pool.close()
+    except BaseException:
+        pool.stop()
+        raise
+    finally:
+        pool.join()
+
+
+def _result(future: Future[Timed], options: Options) -> Timed:
+    try:
+        return future.result()
+    except FutureTimeout as error:
+        seconds = options.time_limit + GRACE_SECONDS
+        raise JobFailed(f"gave no picture within {seconds:g} s and was ended") from error
+    except ProcessExpired as error:
+        code = error.exitcode or 0
+        how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
+        raise JobFailed(f"the process that rendered it ended {how}") from error
+
+
+def image_path(job: Job) -> str:
+    """Where a job's picture lies in the output folder."""
+    mode = job.mode.translate(str.maketrans(":,=/", "_,=_"))
+    return f"images/{job.scene}/{job.renderer}/{mode[:100]}-{job.seed}-{job.key[:8]}.exr"
+
+
+def provenance(job: Job, rendering: Rendering, versions: Mapping[str, str]) -> dict[str, str]:
+    """The header of a picture's file."""
+    return {
+        "key": job.key,
+        "scene": job.scene,
+        "renderer": job.renderer,
+        "mode": job.mode,
+        "seed": str(job.seed),
+        "samples": str(rendering.cost.samples),
+        "cpu_seconds": f"{rendering.cost.cpu_seconds:.6g}",
+        "versions": ", ".join(f"{name} {value}" for name, value in sorted(versions.items())),
+        "revision": places.revision(),
+        "command": repeat_command(job),
+    }
+
+
+def repeat_command(job: Job) -> str:
+    """The command that renders a job again, alone."""
+    scene = job.scene if Path(job.scene_path).parent == places.SCENES else job.scene_path
+    return (
+        f"aliascope render {scene} -r {job.renderer} -m {job.mode} --seed {job.seed} "
+        f"--size {job.width}x{job.height} -o out.exr"
+    )
+
+
+class Keeper:
+    """Measures what comes back, and keeps picture and figures."""
+
+    def __init__(self, folder: Path, store: Store, references: Mapping[str, Pixels], plan: Plan) -> None:
+        self._folder, self._store, self._references, self._plan = folder, store, references, plan
+
+    def keep(self, job: Job, result: Callable[[], Timed], submitted: float) -> Outcome:
+        """The outcome of one job, kept; a job that fails is an outcome too."""
+        try:
+            timed = result()
+            begun = time.perf_counter()
+            measured = metrics.measure(timed.rendering.pixels, self._references[job.scene])
+            spent = time.perf_counter() - begun + timed.seconds
+            path = image_path(job)
+            image.write_exr(
+                self._folder / path,
+                timed.rendering.pixels,
+                provenance(job, timed.rendering, self._plan.versions),
+            )
+            outcome = Outcome(
+                job=job,
+                status="done",
+                cost=timed.rendering.cost,
+                metrics={name: value.value for name, value in measured.items()},
+                quantum=timed.rendering.quantum,
+                image=path,
+                harness_seconds=time.perf_counter() - submitted - spent,
+            )
+        except AliascopeError as error:
+            outcome = Outcome(job=job, status="failed", message=str(error))
+        self._store.put(outcome)
+        return outcome
+
+
+def execute(
+    plan: Plan,
+    folder: Path,
+    store: Store,
+    references: Mapping[str, Pixels],
+    options: Options,
+    progress: Progress,
+) -> tuple[dict[str, Outcome], int]:
+    """Renders what the store does not have. Returns the outcomes by key, and how many of them were there already.
+
+    """
+    outcomes = {
+        key: outcome
+        for key, outcome in store.done(job.key for job in plan.jobs).items()
+        if (folder / outcome.image).is_file()
+    }
+    reused = len(outcomes)
+    todo = [job for job in plan.jobs if job.key not in outcomes]
+    if not todo:
+        return outcomes, reused
+    keeper = Keeper(folder, store, references, plan)
+    with _pool(options.processes) as pool:
+        waiting: list[tuple[Job, Future[Timed], float]] = []
+        limit = options.time_limit + GRACE_SECONDS
+        for job in [*todo, *[None] * options.processes]:
+            if job is not None:
+                progress(job, len(outcomes) - reused, len(todo))
+                future = pool.schedule(render_job, args=[plan.files[job.scene], job, options], timeout=limit)
+                waiting.append((job, future, time.perf_counter()))
+            if waiting and (job is None or len(waiting) >= options.processes):
+                oldest, future, submitted = waiting.pop(0)
+                outcomes[oldest.key] = keeper.keep(oldest, functools.partial(_result, future, options), submitted)
+        progress(None, len(todo), len(todo))
+    return outcomes, reused

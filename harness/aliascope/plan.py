@@ -1,0 +1,116 @@
+"""Which pictures to make: profiles, the choice by pattern, and the key under which each picture is kept."""
+
+from __future__ import annotations
+
+import fnmatch
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+
+from aliascope.errors import InvalidInput, near_misses
+from aliascope.records import Job
+
+COUNTS = (1, 4, 16, 64, 256)
+
+
+def _counts(form: str, counts: Iterable[int] = COUNTS) -> tuple[str, ...]:
+    return tuple(form.format(n=n) for n in counts)
+
+
+def _uniform(*patterns: str, counts: Iterable[int] = COUNTS) -> tuple[str, ...]:
+    return tuple(mode for pattern in patterns for mode in _counts(f"uniform:n={{n}},sampler={pattern}", counts))
+
+
+QUICK: Mapping[str, tuple[str, ...]] = {
+    "embree": _uniform("random", "regular", "jittered", "halton", "sobol,sampler.scramble=owen"),
+    "povray": (
+        "none",
+        "am1:depth=2",
+        "am1:depth=3",
+        "am1:depth=5",
+        "am1:depth=9",
+        "am2:depth=2",
+        "am2:depth=3",
+        "am2:depth=4",
+        "am2:depth=5",
+        *_counts("regular:n={n}", (4, 16, 64, 256)),
+    ),
+    "osmesa": (
+        "none",
+        "msaa:n=4",
+        "msaa:n=8",
+        *_counts("accumulate:n={n},sampler=halton", (4, 16, 64, 256)),
+        *_counts("accumulate:n={n},sampler=regular", (4, 16, 64, 256)),
+    ),
+}
+
+FULL: Mapping[str, tuple[str, ...]] = {
+    "embree": (
+        *_uniform("random", "regular", "jittered", "halton", "halton,sampler.scramble=shift", counts=(*COUNTS, 1024)),
+        *_uniform("sobol", "sobol,sampler.scramble=shift", "sobol,sampler.scramble=digit", counts=(*COUNTS, 1024)),
+        *_uniform("sobol,sampler.scramble=owen", counts=(*COUNTS, 1024)),
+    ),
+    "povray": (
+        "none",
+        *(
+            f"{method}:depth={depth},jitter={jitter},threshold={threshold}"
+            for method, depths in (("am1", (2, 3, 5, 7, 9)), ("am2", (2, 3, 4, 5, 6)))
+            for depth in depths
+            for jitter in (0, 1)
+            for threshold in (0, 0.03, 0.1, 0.3)
+        ),
+        *_counts("regular:n={n}", (4, 9, 16, 36, 64, 144, 256)),
+    ),
+    "osmesa": (
+        "none",
+        "msaa:n=4",
+        "msaa:n=8",
+        *(
+            mode
+            for sampler in ("halton", "regular", "sobol", "jittered", "random", "sobol,sampler.scramble=owen")
+            for mode in _counts(f"accumulate:n={{n}},sampler={sampler}", (4, 16, 64, 256))
+        ),
+    ),
+}
+
+PROFILES: Mapping[str, Mapping[str, tuple[str, ...]]] = {"quick": QUICK, "full": FULL}
+SEEDS: Mapping[str, int] = {"quick": 4, "full": 16}
+"""How many pictures, with seeds 0, 1, ..., a randomised mode gets in each profile."""
+
+
+def profile(name: str) -> Mapping[str, tuple[str, ...]]:
+    """The modes of a profile, by renderer. Raises InvalidInput."""
+    if name not in PROFILES:
+        raise InvalidInput(f'unknown profile "{name}"{near_misses(name, PROFILES)}')
+    return PROFILES[name]
+
+
+def matching(patterns: Iterable[str], names: Iterable[str], what: str) -> list[str]:
+    """The names that a pattern of the shell (*, ?, [abc]) matches, in their order. Raises InvalidInput for a pattern
+    that matches none."""
+    known = list(names)
+    found: set[str] = set()
+    for pattern in patterns:
+        hits = fnmatch.filter(known, pattern)
+        if not hits:
+            raise InvalidInput(f'unknown {what} "{pattern}"{near_misses(pattern, known)}')
+        found.update(hits)
+    return [name for name in known if name in found]
+
+
+def make_job(
+    *,
+    scene: str,
+    scene_path: str,
+    digest: str,
+    renderer: str,
+    mode: str,
+    size: tuple[int, int],
+    seed: int,
+    versions: Mapping[str, str],
+) -> Job:
+    """A job under the key of all that its picture depends on: the scene's digest, renderer and canonical mode, size,
+    seed, and the versions of what renders it."""
+    contents = [digest, renderer, mode, list(size), seed, dict(versions)]
+    key = hashlib.sha256(json.dumps(contents, sort_keys=True).encode()).hexdigest()[:32]
+    return Job(key, scene, scene_path, renderer, mode, size[0], size[1], seed)

@@ -1,0 +1,146 @@
+"""What the stages hand to each other: frozen, and free of behaviour."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Pixels = NDArray[np.float32]
+"""A picture: (height, width, 3) float32, linear RGB, row 0 on top."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a picture cost.
+
+    `samples` counts all of them; `cpu_seconds` is CPU time of the rendering phase of one picture, on one thread, the
+    mean over `repeats` renderings in a row; `wall_seconds` is the same by the clock on the wall.
+    """
+
+    samples: int
+    samples_per_pixel: float
+    rays: Mapping[str, int]
+    cpu_seconds: float
+    wall_seconds: float
+    repeats: int = 1
+
+
+@dataclass(frozen=True)
+class Rendering:
+    """A picture as a renderer gives it. `quantum` is the step of its output, 0 for float."""
+
+    pixels: Pixels
+    cost: Cost
+    quantum: float = 0.0
+
+
+@dataclass(frozen=True)
+class Job:
+    """One picture to make and measure. `key` is the hash of everything that the picture depends on."""
+
+    key: str
+    scene: str
+    scene_path: str
+    renderer: str
+    mode: str
+    width: int
+    height: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class EmptyCell:
+    """A renderer and mode that cannot draw a scene, and why."""
+
+    scene: str
+    renderer: str
+    mode: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a job: `status` is "done" or "failed"; a failed one has a `message` and no numbers."""
+
+    job: Job
+    status: str
+    message: str = ""
+    cost: Cost | None = None
+    metrics: Mapping[str, float | None] = field(default_factory=dict)
+    quantum: float = 0.0
+    image: str = ""
+    """Path of the picture, relative to the output folder."""
+    harness_seconds: float = 0.0
+    """Wall time of the job beyond rendering and measuring."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A figure and its standard error: None where it is not known, 0 where the figure is exact."""
+
+    value: float | None
+    standard_error: float | None = None
+
+
+@dataclass(frozen=True)
+class ModeRow:
+    """One renderer and mode on one scene, over all its seeds, as the report shows it.
+
+    `family` groups modes that differ in their sample count alone ("embree uniform sobol:scramble=owen"), for lines in
+    plots. `pixels` is the picture of the first seed; `metrics` maps "rmse" and the like to their estimates.
+    """
+
+    renderer: str
+    mode: str
+    family: str
+    samples_per_pixel: float
+    cpu_seconds: Estimate
+    metrics: Mapping[str, Estimate]
+    pictures: int
+    pixels: Pixels
+    quantum: float = 0.0
+
+
+@dataclass(frozen=True)
+class SceneSection:
+    """One scene of the report. `reference_note` says how the reference was made and how exact it is."""
+
+    name: str
+    title: str
+    shows: str
+    reference: Pixels
+    reference_note: str
+    rows: tuple[ModeRow, ...]
+    empty: tuple[EmptyCell, ...] = ()
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A job that failed, and the command that does it again alone."""
+
+    scene: str
+    renderer: str
+    mode: str
+    message: str
+    command: str
+
+
+@dataclass(frozen=True)
+class ReportData:
+    """All that report.html is made from. `headlines` are sentences, computed from the rows, the most telling first."""
+
+    title: str
+    started: str
+    wall_seconds: float
+    pictures: int
+    reused: int
+    headlines: tuple[str, ...]
+    scenes: tuple[SceneSection, ...]
+    failures: tuple[Failure, ...]
+    machine: Mapping[str, str]
+    versions: Mapping[str, str]
+    skipped: Mapping[str, str] = field(default_factory=dict)
+    """Renderers that are not there, and why."""

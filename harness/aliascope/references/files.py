@@ -1,0 +1,205 @@
+"""References on disk: `<scene>/<W>x<H>-<filter>.exr` below a folder, each with where it came from in its header.
+
+A converged reference has its standard error beside it, in `<W>x<H>-<filter>.standard-error.exr`. Nothing is replaced or
+made in passing: a file that is missing, that was made for another version of its scene, or that was changed since, is
+an error that says what to do.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import scipy
+import shapely
+
+from aliascope.errors import CheckFailed, InvalidInput, Unsupported
+from aliascope.geometry import Array
+from aliascope.image import read_header, read_image, write_exr
+from aliascope.model import Scene
+from aliascope.records import Pixels
+from aliascope.references import make
+from aliascope.references.result import Reference
+
+HALF_ULP = 2.0**-24
+"""float32 rounds to nearest: within this, relative to the value."""
+SMALLEST = 2.0**-149
+"""And within this where the value is too small for that."""
+
+
+@dataclass(frozen=True)
+class Verification:
+    """A stored reference against the same, made again.
+
+    It holds when no value differs by more than its tolerance (what float32 rounds there, and both error bounds) and the
+    file is as it was written; otherwise `reason` says what is wrong. `max_difference` is the largest absolute
+    difference, NaN where the file has a NaN. The value that comes nearest to its tolerance, or is beyond it the most,
+    is at pixel `x`, `y` and `channel`, with its `difference` and `tolerance`.
+    """
+
+    holds: bool
+    reason: str
+    max_difference: float
+    difference: float
+    tolerance: float
+    x: int
+    y: int
+    channel: int
+    method: str
+    error: float
+
+
+def path_of(folder: Path, name: str, size: tuple[int, int], filter_: str) -> Path:
+    """Where the reference of a scene lies, whether it is there or not."""
+    return folder / name / f"{size[0]}x{size[1]}-{filter_}.exr"
+
+
+def command_for(name: str, scene: Scene, size: tuple[int, int], filter_: str) -> str:
+    """The command that makes a reference."""
+    command = f"aliascope reference {name}"
+    if size != scene.view.size:
+        command += f" --size {size[0]}x{size[1]}"
+    return command if filter_ == "box" else f"{command} --filter {filter_}"
+
+
+def save(folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: str, reference: Reference) -> Path:
+    """Writes a reference and returns its path. Raises NotWritable."""
+    path = path_of(folder, name, size, filter_)
+    header = {
+        "scene": name,
+        "scene_hash": scene.digest(),
+        "size": f"{size[0]}x{size[1]}",
+        "filter": filter_,
+        "method": reference.method,
+        "error": repr(reference.error),
+        "command": command_for(name, scene, size, filter_),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "shapely": f"{shapely.__version__}, GEOS {shapely.geos_version_string}",
+        "pixels": _digest(reference.pixels),
+    }
+    if reference.standard_error is not None:
+        spread = reference.standard_error.astype(np.float32)
+        header["standard_error"] = _digest(spread)
+        write_exr(_spread_path(path), spread, header)
+    write_exr(path, reference.pixels, header)
+    return path
+
+
+def load(folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: str) -> Reference:
+    """The stored reference of a scene. Its `exact` is the stored float32, which its `error` allows for.
+
+    Raises CheckFailed when it is missing, was made for another version of the scene, or was changed since.
+    """
+    path = path_of(folder, name, size, filter_)
+    pixels, header = _read(path, name, scene, size, filter_)
+    advice = f"make it again with: {command_for(name, scene, size, filter_)}"
+    error = _recorded_error(header)
+    if not np.isfinite(pixels).all():
+        raise CheckFailed(f"{path}: the reference has values that are not finite; {advice}")
+    if header.get("pixels") != _digest(pixels):
+        raise CheckFailed(f"{path}: the reference was changed since it was made; {advice}")
+    if error is None:
+        raise CheckFailed(f"{path}: the reference does not state its error; {advice}")
+    return Reference(
+        pixels=pixels,
+        exact=pixels.astype(np.float64),
+        error=error + HALF_ULP * float(np.abs(pixels).max()),
+        method=header.get("method", ""),
+        standard_error=_read_spread(path, header, pixels, advice),
+    )
+
+
+def verify(folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: str) -> Verification:
+    """Makes an exact reference again and compares. What differs is in the result, never an exception.
+
+    Raises CheckFailed when there is nothing to compare: the file is missing, or of another version of the scene; and
+    Unsupported for a converged reference, which made again would differ.
+    """
+    path = path_of(folder, name, size, filter_)
+    stored, header = _read(path, name, scene, size, filter_)
+    if "standard_error" in header:
+        raise Unsupported(f"{path}: a converged reference can't be made again to compare")
+    again = make(scene, size, filter_)
+    recorded = _recorded_error(header)
+    error = again.error + (recorded if recorded is not None else 0.0)
+    difference = np.abs(stored.astype(np.float64) - again.exact)
+    tolerance = error + HALF_ULP * np.abs(again.exact) + SMALLEST
+    ratio = np.where(np.isnan(difference), np.inf, difference / tolerance)
+    row, column, channel = (int(i) for i in np.unravel_index(int(np.argmax(ratio)), ratio.shape))
+    worst = float(difference[row, column, channel])
+    reason = ""
+    if not bool((difference <= tolerance).all()):  # so that a NaN, which compares as false, never passes
+        reason = f"pixel ({column}, {row}) channel {channel} differs by {worst:.3g}"
+    elif header.get("pixels") != _digest(stored):
+        reason = "the file was changed since it was made, if by no more than its error"
+    elif recorded is None:
+        reason = "the file does not state its error"
+    elif header.get("method") != again.method:
+        reason = f'the file was made by "{header.get("method")}", not "{again.method}"'
+    return Verification(
+        holds=not reason,
+        reason=reason,
+        max_difference=float(difference.max()),
+        difference=worst,
+        tolerance=float(tolerance[row, column, channel]),
+        x=column,
+        y=row,
+        channel=channel,
+        method=again.method,
+        error=again.error,
+    )
+
+
+def _read(path: Path, name: str, scene: Scene, size: tuple[int, int], filter_: str) -> tuple[Pixels, Mapping[str, str]]:
+    """The pixels and the header of a stored reference of this very scene, size and filter."""
+    command = command_for(name, scene, size, filter_)
+    if not path.is_file():
+        what = f"{name} at {size[0]}x{size[1]} with the filter {filter_}"
+        raise CheckFailed(f"no reference for {what} ({path}): make it with: {command}")
+    try:
+        header, pixels = read_header(path), read_image(path)
+    except InvalidInput as error:
+        raise CheckFailed(f"{error}; make the reference again with: {command}") from error
+    if header.get("scene_hash") != scene.digest():
+        raise CheckFailed(f"{path}: was made for another version of the scene; make it again with: {command}")
+    stated = (header.get("size"), header.get("filter"))
+    if stated != (f"{size[0]}x{size[1]}", filter_) or pixels.shape != (size[1], size[0], 3):
+        raise CheckFailed(
+            f"{path}: holds {pixels.shape[1]} x {pixels.shape[0]} pixels of {pixels.shape[2]} channels and says "
+            f"{stated[0]}, filter {stated[1]}; make it again with: {command}"
+        )
+    return pixels, header
+
+
+def _read_spread(path: Path, header: Mapping[str, str], pixels: Pixels, advice: str) -> Array | None:
+    if "standard_error" not in header:
+        return None
+    beside = _spread_path(path)
+    if not beside.is_file():
+        raise CheckFailed(f"{beside}: the standard error of the reference is missing; {advice}")
+    spread = read_image(beside)
+    if spread.shape != pixels.shape or header["standard_error"] != _digest(spread):
+        raise CheckFailed(f"{beside}: the standard error was changed since it was made; {advice}")
+    return spread.astype(np.float64)
+
+
+def _spread_path(path: Path) -> Path:
+    return path.with_suffix(".standard-error.exr")
+
+
+def _recorded_error(header: Mapping[str, str]) -> float | None:
+    """The error bound that a header states: finite and not negative, else None."""
+    try:
+        error = float(header.get("error", "nan"))
+    except ValueError:
+        return None
+    return error if 0.0 <= error < float("inf") else None
+
+
+def _digest(pixels: Pixels) -> str:
+    """SHA-256 of the pixels as little-endian float32, row by row."""
+    return hashlib.sha256(np.ascontiguousarray(pixels, dtype="<f4").tobytes()).hexdigest()

@@ -1,0 +1,74 @@
+"""What a reference is, and what every method that makes one has in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from aliascope.errors import Unsupported
+from aliascope.geometry import Array, Frame
+from aliascope.model import Scene
+from aliascope.records import Pixels
+from aliascope.references.canvas import Canvas
+
+EPSILON = float(np.finfo(np.float64).eps)
+LARGEST_ERROR = 1e-9
+"""An exact method whose error bound, relative to the brightest colour, comes out larger refuses the scene."""
+
+
+@dataclass(frozen=True)
+class Exact:
+    """Pixels as a method computes them, (height, width, 3) float64 linear RGB, and a bound of their absolute error."""
+
+    pixels: Array
+    error: float
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The picture that others are judged by.
+
+    `pixels` (height, width, 3) float32 is `exact` rounded, `exact` is float64. No value of `exact` is farther than
+    `error` from the truth. A converged reference has a `standard_error`, of the shape of `pixels`; an exact one None.
+    """
+
+    pixels: Pixels
+    exact: Array
+    error: float
+    method: str
+    standard_error: Array | None = None
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to make references. `features` are those of `Scene.features` that it can draw, the cameras among them.
+
+    `make` raises Unsupported where it meets a configuration that it has no exact answer for.
+    """
+
+    name: str
+    title: str
+    features: frozenset[str]
+    make: Callable[[Scene, Frame], Exact]
+
+    def cannot(self, scene: Scene) -> str | None:
+        """Why the method can't draw the scene, as far as its features tell; None where it may."""
+        lacking = sorted(scene.features() - self.features)
+        return f"has no answer for {', '.join(lacking)}" if lacking else None
+
+
+def checked(canvas: Canvas, background: Array, error: float) -> Exact:
+    """The result of a method, whose coverages, relative to the brightest colour, are in error by at most `error`.
+
+    Raises Unsupported where that is more than a reference may have.
+    """
+    error += 4 * EPSILON * (canvas.surfaces + 1)  # a product and a sum for each surface
+    if not error <= LARGEST_ERROR:
+        raise Unsupported(
+            f"rounding could move the pixels by {error:.1e} of the brightest colour: the coordinates are too large, or "
+            "too far from the eye, for the size of a pixel"
+        )
+    pixels = canvas.over(background)
+    return Exact(pixels=pixels, error=error * canvas.brightest)

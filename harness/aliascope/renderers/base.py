@@ -1,0 +1,65 @@
+"""What a renderer is to the rest: its modes, what it can draw, and one call that makes a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from aliascope.model import Scene
+from aliascope.records import Rendering
+from aliascope.specs import Form, Spec
+
+LEAST_SECONDS = 0.1
+"""A timed rendering is repeated until it has lasted this long; the repeats' mean is the cost of one picture."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """One picture: a scene whose features the renderer draws, its size, a parsed mode, and the seed.
+
+    `least_seconds`: render again and again until the CPU time adds up to this, for a steady figure (0: once).
+    `time_limit`: seconds on the wall after which the renderer gives up with JobFailed.
+    """
+
+    scene: Scene
+    width: int
+    height: int
+    mode: Spec
+    seed: int = 0
+    threads: int = 1
+    least_seconds: float = 0.0
+    time_limit: float = 600.0
+
+
+class Renderer(Protocol):
+    """A renderer. `title` is what people call it; `draws` are the features of scenes that it can draw."""
+
+    name: str
+    title: str
+    modes: Mapping[str, Form]
+    draws: frozenset[str]
+
+    def versions(self) -> Mapping[str, str]:
+        """The versions that a picture depends on. Raises NotAvailable where the renderer is not there."""
+        ...
+
+    def unable(self, scene: Scene, mode: Spec) -> str | None:
+        """Why this mode cannot draw this scene beyond the features it lacks, or None."""
+        ...
+
+    def seeded(self, mode: Spec) -> bool:
+        """Whether the picture depends on the seed."""
+        ...
+
+    def render(self, request: Request) -> Rendering:
+        """Makes the picture. Raises JobFailed, NotAvailable, Unsupported."""
+        ...
+
+
+def lacks(renderer: Renderer, scene: Scene, mode: Spec) -> str | None:
+    """The reason for an empty cell: the features of the scene that the renderer does not draw, or the mode's own."""
+    missing = sorted(scene.features() - renderer.draws)
+    if missing:
+        return f"{renderer.title} here does not draw: {', '.join(missing)}"
+    return renderer.unable(scene, mode)

@@ -1,0 +1,58 @@
+"""The project's own distribution ray tracer, on Embree."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from aliascope.model import Scene
+from aliascope.native import samplers, tracer
+from aliascope.records import Cost, Rendering
+from aliascope.renderers.base import Request
+from aliascope.specs import Form, Key, Spec
+
+UNIFORM = Form(
+    "uniform",
+    "the same number of samples in every pixel",
+    (
+        Key("n", "integer", 16, "samples a pixel", 1, 1 << 24, is_count=True),
+        Key("sampler", "spec", "sobol:scramble=owen", "the pattern of a pixel", inner=samplers.canonical),
+    ),
+)
+
+
+class Embree:
+    name = "embree"
+    title = "Embree"
+    modes: Mapping[str, Form] = {UNIFORM.name: UNIFORM}
+    draws = frozenset({"orthographic", "perspective", "polygon", "disc", "sphere", "zone-plate"})
+
+    def versions(self) -> Mapping[str, str]:
+        return {"embree": tracer.embree_version()}
+
+    def unable(self, scene: Scene, mode: Spec) -> str | None:
+        return None
+
+    def seeded(self, mode: Spec) -> bool:
+        return samplers.randomised(mode.word("sampler"), mode.integer("n"))
+
+    def render(self, request: Request) -> Rendering:
+        built = tracer.Tracer(request.scene, (request.width, request.height))
+        sampler, count = request.mode.word("sampler"), request.mode.integer("n")
+        pixels, first = built.render(sampler, count, request.seed, request.threads)
+        cpu_seconds, wall_seconds, repeats = first.cpu_seconds, first.wall_seconds, 1
+        while cpu_seconds < request.least_seconds:
+            _, again = built.render(sampler, count, request.seed, request.threads)
+            cpu_seconds, wall_seconds = cpu_seconds + again.cpu_seconds, wall_seconds + again.wall_seconds
+            repeats += 1
+        cost = Cost(
+            samples=first.samples,
+            samples_per_pixel=float(count),
+            rays={"primary": first.primary_rays},
+            cpu_seconds=cpu_seconds / repeats,
+            wall_seconds=wall_seconds / repeats,
+            repeats=repeats,
+        )
+        return Rendering(pixels, cost)
+
+
+RENDERER = Embree()

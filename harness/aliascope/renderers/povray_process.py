@@ -1,0 +1,191 @@
+"""Runs the program povray: found on the PATH, in a scratch folder, for a limited time; and reads what it prints.
+
+What is held here: no run outlives its time limit, its caller or its caller's process; the user's and the system's ini
+files have no say; whatever the program prints, a bounded part of it is kept.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import os
+import re
+import selectors
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from aliascope.errors import JobFailed, NotAvailable
+
+KEPT_BYTES = 1 << 18
+"""The end of what the program prints that is kept: six frames of statistics take 12,000 bytes."""
+
+MESSAGE_LINES, MESSAGE_CHARACTERS = 3, 300
+"""The most of the program's last lines that goes into an error."""
+
+VERSION_TIME_LIMIT = 30.0
+"""Seconds; `povray --version` takes 0.05."""
+
+_CHECK_EVERY = 0.1
+"""Seconds between looks at whether the program has ended while something else holds its pipe open."""
+
+_STATISTICS = re.compile(
+    r"Pixels:\s*(?P<pixels>\d+)\s+Samples:\s*(?P<samples>\d+).*?"
+    r"Rays:\s*(?P<rays>\d+).*?"
+    r"Trace Time:.*?\((?P<wall>[\d.]+) seconds\)\s*using \d+ thread\(s\) with (?P<cpu>[\d.]+) CPU-seconds",
+    re.DOTALL,
+)
+
+_PRCTL = ctypes.CDLL(None).prctl if sys.platform == "linux" else None
+_PR_SET_PDEATHSIG = 1
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """What povray prints of one frame.
+
+    `pixels`: the rays through pixel centres (or corners: +AM2), those at the borders of tiles twice. `samples`: the
+    rays that antialiasing added to them. `rays`: all of them. The seconds are those of the trace alone, in whole
+    milliseconds, so 0 for a few thousand pixels; parsing and the writing of the file are not in them.
+    """
+
+    pixels: int
+    samples: int
+    rays: int
+    cpu_seconds: float
+    wall_seconds: float
+
+
+def executable() -> str:
+    """The path of povray, looked for on the PATH at each call. Raises NotAvailable."""
+    path = shutil.which("povray")
+    if path is None:
+        raise NotAvailable("POV-Ray is not installed: there is no povray on the PATH (Debian: apt install povray)")
+    return str(Path(path).absolute())  # it is run in another folder
+
+
+@functools.cache
+def version(path: str) -> str:
+    """The version that the program at `path` states, "3.7.0.10.unofficial". Raises NotAvailable."""
+    try:
+        output = run(path, ["--version"], Path("/"), VERSION_TIME_LIMIT)
+    except JobFailed as error:
+        raise NotAvailable(f"{path} does not start: {error}") from None
+    found = re.search(r"POV-Ray (\d\S*)", output)
+    if found is None:
+        raise NotAvailable(f"{path} does not state a version of POV-Ray: {_last_lines(output)}")
+    return found[1]
+
+
+def run(path: str, arguments: list[str], folder: Path, time_limit: float) -> str:
+    """Runs povray in `folder` and returns the last KEPT_BYTES of what it prints.
+
+    Raises JobFailed where it fails, is killed, or has not ended after `time_limit` seconds on the wall, and
+    NotAvailable where it cannot be started. Afterwards no process of it is left.
+    """
+    ini = folder / "aliascope.ini"
+    environment = {**os.environ, "POVINI": str(ini), "HOME": str(folder), "LC_ALL": "C"}
+    try:
+        process = subprocess.Popen(
+            [path, *arguments],
+            cwd=folder,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            preexec_fn=_die_with_parent,
+        )
+    except OSError as error:
+        raise NotAvailable(f"{path} does not start: {error.strerror}") from error
+    try:
+        output, in_time = _collect(process, time.monotonic() + time_limit)
+    finally:
+        _end(process)
+    if not in_time:
+        raise JobFailed(f"povray had not ended after {time_limit:.3g} s, its time limit, and was killed")
+    if process.returncode < 0:
+        raise JobFailed(f"povray was killed by {_signal_name(-process.returncode)}: {_last_lines(output)}")
+    if process.returncode > 0:
+        raise JobFailed(f"povray exited with status {process.returncode}: {_last_lines(output)}")
+    return output
+
+
+def read_statistics(output: str) -> list[Statistics]:
+    """The statistics of each frame, in order; empty where there are none."""
+    return [
+        Statistics(int(m["pixels"]), int(m["samples"]), int(m["rays"]), float(m["cpu"]), float(m["wall"]))
+        for m in _STATISTICS.finditer(output)
+    ]
+
+
+def _die_with_parent() -> None:
+    """Runs in the child before povray: a worker that is killed in the middle of a job takes its povray with it."""
+    if _PRCTL is not None:
+        _PRCTL(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
+
+
+def _exited(process: subprocess.Popen[bytes]) -> bool:
+    """Whether the program has ended. It is not reaped, so that the number of its process group stays its own."""
+    return os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
+
+
+def _collect(process: subprocess.Popen[bytes], deadline: float) -> tuple[str, bool]:
+    """The end of the output, and whether the program ended before the deadline, a time of time.monotonic()."""
+    assert process.stdout is not None
+    pipe = process.stdout.fileno()
+    os.set_blocking(pipe, False)
+    kept = bytearray()
+    pipe_open = True
+    with selectors.DefaultSelector() as selector:
+        selector.register(pipe, selectors.EVENT_READ)
+        while True:
+            # Looked at before reading: what a program that has ended had to say is in the pipe by now.
+            exited = _exited(process)
+            remaining = deadline - time.monotonic()
+            if not exited and remaining <= 0.0:
+                break
+            if not pipe_open:
+                if exited:
+                    break
+                time.sleep(min(0.01, remaining))
+                continue
+            if not selector.select(0.0 if exited else min(_CHECK_EVERY, remaining)):
+                if exited:
+                    break
+                continue
+            piece = os.read(pipe, 1 << 16)
+            kept += piece
+            del kept[:-KEPT_BYTES]
+            pipe_open = bool(piece)
+            if exited and remaining <= 0.0:
+                break  # something else keeps writing to the pipe
+    return kept.decode("utf-8", "replace"), exited
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """Kills what is left of the program's process group, and reaps the program."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    if process.stdout is not None:
+        process.stdout.close()
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
+
+
+def _last_lines(output: str) -> str:
+    """The last lines of the output as one: povray wraps its messages at 79 columns."""
+    lines = [line.strip() for line in output.splitlines() if line.strip()]
+    text = " ".join(lines[-MESSAGE_LINES:])[-MESSAGE_CHARACTERS:]
+    return "".join(c if c.isprintable() else "?" for c in text) or "it printed nothing"

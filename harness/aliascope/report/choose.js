@@ -1,0 +1,162 @@
+// "Which one?": the best mode for a time or an error, from the Pareto front; the choice of metric; the legend.
+
+function metricChooser() {
+  const options = metricNames.map((name) => h("option", { value: name }, metricOf(name).title));
+  const select = h("select", { id: "metric", change: () => change({ metric: select.value }) }, options);
+  const show = () => (select.value = state.metric);
+  onChange((changed) => changed.has("metric") && show());
+  show();
+  return h("label", { class: "field" }, "Error as ", select);
+}
+
+/** The rows that are asked about, and what they are called. */
+function scopeRows() {
+  const scene = currentScene();
+  return state.over === "scene" ? scene.rows : documentData.pooled;
+}
+
+/** A time between the fastest and the slowest mode of the front, of one significant digit. */
+function usualTime(rows, metric) {
+  const front = paretoFront(rows, metric);
+  if (!front.length) return 1;
+  return Number(Math.sqrt(front[0].time * front[front.length - 1].time).toPrecision(1));
+}
+
+/** The best row for what is asked: {row}, or {reason} where there is none. `rows` are one renderer's or all. */
+function answer(rows, metric, asked) {
+  const front = paretoFront(rows, metric);
+  if (!front.length) return { reason: rows.some((row) => row.missing.length) ? "lacks scenes" : "has no figures" };
+  if (asked.time !== null) {
+    const within = front.filter(({ time }) => time <= asked.time);
+    return within.length ? { row: within[within.length - 1].row } : { reason: `fastest takes ${figure(front[0].time)} s` };
+  }
+  const limit = metric.badness(asked.error);
+  const found = front.find(({ badness }) => badness <= limit);
+  const best = front[front.length - 1].row;
+  return found ? { row: found.row } : { reason: `best is ${figure(estimateOf(best, metric.name)[0])}` };
+}
+
+class Chooser {
+  constructor(host) {
+    this.time = this.input("time", "any positive time in seconds");
+    this.error = this.input("error", "an error in the metric chosen");
+    this.timeRadio = h("input", { type: "radio", name: "ask", value: "time", change: () => this.ask("time") });
+    this.errorRadio = h("input", { type: "radio", name: "ask", value: "error", change: () => this.ask("error") });
+    this.errorName = h("span");
+    this.over = h("select", { "aria-label": "scenes", change: () => change({ over: this.over.value }) });
+    this.result = h("div", { class: "answer", "aria-live": "polite" });
+    host.append(
+      h("h3", {}, "Which one?"),
+      h("div", { class: "questions" },
+        h("label", {}, this.timeRadio, h("span", {}, "I have"), this.time, h("span", {}, "CPU seconds a picture")),
+        h("label", {}, this.errorRadio, h("span", {}, "I need"), this.errorName, this.error),
+        h("label", { class: "over" }, h("span", {}, "over"), this.over)),
+      this.result,
+    );
+    onChange((changed) => {
+      if (["time", "error", "metric", "over", "scene"].some((key) => changed.has(key))) this.show();
+    });
+    this.show();
+  }
+
+  input(key, title) {
+    const node = h("input", { type: "text", inputmode: "decimal", size: 7, title, "aria-label": title, autocomplete: "off" });
+    const read = () => {
+      const value = Number(node.value.trim().replace(",", ".").replace("\u2212", "-"));
+      const good = node.value.trim() !== "" && Number.isFinite(value) && (key !== "time" || value > 0);
+      node.setAttribute("aria-invalid", String(!good));
+      if (good) change(key === "time" ? { time: value, error: null } : { time: null, error: value });
+    };
+    node.addEventListener("input", read);
+    node.addEventListener("focus", () => this.ask(key));
+    return node;
+  }
+
+  ask(key) {
+    const value = Number(this[key].value);
+    change(key === "time" ? { time: value, error: null } : { time: null, error: value });
+  }
+
+  show() {
+    const metric = metricOf(state.metric);
+    const rows = scopeRows();
+    const byError = state.error !== null;
+    const asked = { time: byError ? null : state.time ?? usualTime(rows, metric), error: state.error };
+    this.timeRadio.checked = !byError;
+    this.errorRadio.checked = byError;
+    this.errorName.textContent = `${metric.label} ${metric.more ? "≥" : "≤"}`;
+    if (!byError && document.activeElement !== this.time) this.time.value = String(asked.time);
+    if (byError && document.activeElement !== this.error) this.error.value = String(asked.error);
+    if (!byError) this.error.value = this.usualError(rows, metric, asked);
+    const all = documentData.scenes.length;
+    this.over.replaceChildren(
+      h("option", { value: "all" }, all === 1 ? "the scene" : `all ${all} scenes`),
+      ...(all === 1 ? [] : [h("option", { value: "scene" }, state.scene)]));
+    this.over.value = all === 1 ? "all" : state.over;
+    this.result.replaceChildren(this.table(rows, metric, asked));
+  }
+
+  /** What the time asked for reaches, as a start for the other question. */
+  usualError(rows, metric, asked) {
+    const { row } = answer(rows, metric, asked);
+    const value = row ? estimateOf(row, metric.name)[0] : null;
+    return value === null ? "0.01" : String(Number(value.toPrecision(2)));
+  }
+
+  table(rows, metric, asked) {
+    const overall = answer(rows, metric, asked).row;
+    const body = documentData.renderers.map((renderer) => {
+      const found = answer(rows.filter((row) => row.renderer === renderer), metric, asked);
+      return { renderer, ...found, best: found.row !== undefined && found.row === overall };
+    });
+    body.sort((a, b) => Number(b.best) - Number(a.best));
+    const head = ["", metric.title, "CPU s"].map((text, i) =>
+      h("th", { scope: "col", class: i ? "number" : null }, text || h("span", { class: "hidden" }, "renderer and mode")));
+    return h("table", { class: "plain" },
+      h("caption", { class: "hidden" }, "The best mode of each renderer for this"),
+      h("thead", {}, h("tr", {}, head)),
+      h("tbody", {}, body.map((entry) => this.line(entry, metric))));
+  }
+
+  line({ renderer, row, reason, best }, metric) {
+    const name = h("th", { scope: "row" },
+      h("span", { class: "dot", "aria-hidden": "true" }), renderer, row ? [h("br"), spec(row.mode)] : null);
+    name.querySelector(".dot").style.backgroundColor = colourOf(renderer);
+    if (!row) return h("tr", { class: "none" }, name, h("td", { colspan: 2, class: "number" }, reason));
+    return h("tr", { class: best ? "best" : null }, name,
+      h("td", { class: "number" }, figure(estimateOf(row, metric.name)[0])),
+      h("td", { class: "number" }, figure(row.cpu[0])));
+  }
+}
+
+/** Renderers and families; a family is brought forward under the pointer and hidden or shown by a click. */
+function legend(host, plots) {
+  host.append(h("h3", {}, "Legend"));
+  for (const renderer of documentData.renderers) {
+    const items = documentData.families.filter(([name]) => name === renderer).map(([, family]) => {
+      const key = `${renderer}\n${family}`;
+      const emphasise = (on) => plots.forEach((plot) => plot.emphasise(on ? key : null));
+      const toggle = h("button",
+        {
+          type: "button", "aria-pressed": "true", title: "hide or show",
+          pointerenter: () => emphasise(true), pointerleave: () => emphasise(false),
+          focus: () => emphasise(true), blur: () => emphasise(false),
+          click: () => {
+            const shown = toggle.getAttribute("aria-pressed") !== "true";
+            toggle.setAttribute("aria-pressed", String(shown));
+            for (const plot of plots) {
+              plot.hidden[shown ? "delete" : "add"](key);
+              plot.applyHidden();
+            }
+          },
+        },
+        marker({ renderer, family }), " ", spec(familyName(renderer, family)));
+      return h("li", {}, toggle);
+    });
+    const name = h("h4", {}, h("span", { class: "dot", "aria-hidden": "true" }), renderer);
+    name.querySelector(".dot").style.backgroundColor = colourOf(renderer);
+    host.append(h("div", { class: "renderer" }, name, h("ul", {}, items)));
+  }
+  host.append(h("p", { class: "keyline" }, h("span", { class: "front-sample", "aria-hidden": "true" }),
+    "Pareto front: nothing is both faster and better"));
+}

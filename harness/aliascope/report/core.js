@@ -1,0 +1,130 @@
+// Elements, numbers and names. Text from the data reaches the page as text nodes and attributes only.
+
+const documentData = JSON.parse(document.getElementById("data").textContent);
+const svgSpace = "http://www.w3.org/2000/svg";
+
+function build(node, attributes, children) {
+  for (const [name, value] of Object.entries(attributes ?? {})) {
+    if (value === null || value === undefined || value === false) continue;
+    if (typeof value === "function") node.addEventListener(name, value);
+    else node.setAttribute(name, value === true ? "" : value);
+  }
+  node.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  return node;
+}
+
+const h = (tag, attributes, ...children) => build(document.createElement(tag), attributes, children);
+const s = (tag, attributes, ...children) => build(document.createElementNS(svgSpace, tag), attributes, children);
+
+/** A spec, which may break after its commas and colons. */
+function spec(text) {
+  const parts = text.split(/(?<=[,:])/).flatMap((part) => [part, h("wbr")]);
+  return h("span", { class: "spec" }, parts.slice(0, -1));
+}
+
+const identity = (row) => `${row.renderer} ${row.mode}`;
+
+// Colours and markers: a colour for each renderer, a shape for each family of it.
+
+const colourOf = (renderer) => documentData.colours[renderer] ?? "#777777";
+
+const shapes = [
+  "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0z",
+  "M-3.6-3.6h7.2v7.2h-7.2z",
+  "M0-4.8 4.6 3.4h-9.2z",
+  "M0-5.2 5.2 0 0 5.2-5.2 0z",
+  "M0 4.8 4.6-3.4h-9.2z",
+  "M-1.5-4.6h3v3.1h3.1v3h-3.1v3.1h-3v-3.1h-3.1v-3h3.1z",
+  "M0-5 4.8-1.5 2.9 4.1h-5.8L-4.8-1.5z",
+  "M-4.6-2.5-2.5-4.6 0-2.1 2.5-4.6 4.6-2.5 2.1 0 4.6 2.5 2.5 4.6 0 2.1-2.5 4.6-4.6 2.5-2.1 0z",
+];
+
+const familyShapes = new Map();
+for (const [renderer, family] of documentData.families) {
+  const before = documentData.families.filter(([name]) => name === renderer);
+  const index = before.findIndex(([, name]) => name === family);
+  familyShapes.set(`${renderer}\n${family}`, shapes[index % shapes.length]);
+}
+const shapeOf = (row) => familyShapes.get(`${row.renderer}\n${row.family}`) ?? shapes[0];
+
+/** The marker of a row beside its name. */
+function marker(row) {
+  const path = s("path", { d: shapeOf(row), fill: colourOf(row.renderer) });
+  return s("svg", { class: "marker", viewBox: "-6 -6 12 12", width: 12, height: 12, "aria-hidden": "true" }, path);
+}
+
+const familyName = (renderer, family) =>
+  family.startsWith(`${renderer} `) ? family.slice(renderer.length + 1) : family;
+
+// Numbers: three significant digits where they are compared, all of them where a pixel is read out.
+
+const minus = (text) => text.replace(/^-/, "\u2212");
+
+function exponent(value) {
+  return value === 0 ? 0 : Number(value.toExponential(2).split("e")[1]);
+}
+
+function scientific(value, digits = 3) {
+  const [mantissa, power] = value.toExponential(digits - 1).split("e");
+  const raised = [...String(Number(power))].map((c) => (c === "-" ? "\u207b" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)])).join("");
+  return `${minus(mantissa)}\u202f×\u202f10${raised}`;
+}
+
+/** Decimals that give `digits` significant digits. */
+const decimalsFor = (value, digits = 3) => Math.max(0, digits - 1 - exponent(value));
+
+const groups = (text) => (/^\d{5,}$/.test(text) ? text.replace(/\B(?=(\d{3})+$)/g, "\u202f") : text);
+
+function figure(value, digits = 3) {
+  if (value === null || value === undefined) return "–";
+  if (value === 0) return "0";
+  const power = exponent(value);
+  if (power < -5 || power >= 7) return scientific(value, digits);
+  const rounded = Number(value.toPrecision(digits));
+  return value < 0
+    ? `\u2212${groups((-rounded).toFixed(decimalsFor(value, digits)))}`
+    : groups(rounded.toFixed(decimalsFor(value, digits)));
+}
+
+/** The uncertainty of a figure, to its last digit or to one digit of its own where that is finer. */
+function uncertainty(value, error) {
+  if (error === null || error === undefined) return "";
+  if (error === 0) return "± 0";
+  const power = exponent(error);
+  if (power < -6 || power >= 7) return `± ${scientific(error, 1)}`;
+  const own = Math.max(0, -power);
+  const shared = value ? decimalsFor(value) : own;
+  return `± ${error.toFixed(Math.min(Math.max(own, shared), own + 1))}`;
+}
+
+/** A linear value of a picture: six significant digits; NaN and the infinities by name. */
+function pixelValue(value, signed = false) {
+  if (Number.isNaN(value)) return "NaN";
+  if (!Number.isFinite(value)) return value < 0 ? "\u2212∞" : signed ? "+∞" : "∞";
+  const sign = value < 0 || Object.is(value, -0) ? "\u2212" : signed && value > 0 ? "+" : "";
+  const size = Math.abs(value);
+  if (size === 0) return signed ? "0" : `${sign}0`;
+  if (size < 1e-4 || size >= 1e6) return sign + scientific(size, 6);
+  const power = Math.floor(Math.log10(Number(size.toPrecision(6))));
+  return sign + size.toFixed(Math.max(0, 5 - power));
+}
+
+/** Pads a column of figures with spaces of a digit's and a point's width, so that the points stand in line. */
+function alignPoints(texts) {
+  const tails = texts.map((text) => (/^[^×]*\.(\d+)$/.exec(text)?.[1].length ?? 0));
+  const longest = Math.max(0, ...tails);
+  return texts.map((text, i) => {
+    if (text.includes("×") || text === "–" || text === "") return text;
+    const point = longest > 0 && tails[i] === 0 ? "\u2008" : "";
+    return text + point + "\u2007".repeat(longest - tails[i]);
+  });
+}
+
+const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
+
+/** The colour that a custom property of the page has now, light or dark. */
+const themeColour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+function announce(text) {
+  document.getElementById("live").textContent = text;
+}

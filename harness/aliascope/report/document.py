@@ -1,0 +1,119 @@
+"""What the page's scripts read: the report as JSON, its pictures by number."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from aliascope.errors import InvalidInput
+from aliascope.records import Estimate, ModeRow, ReportData, SceneSection
+from aliascope.report.encode import PictureStore, error_map, error_scale, worst_pixel
+from aliascope.report.pool import Curve, curve_of, pool
+
+Json = Any
+
+
+def document(data: ReportData, pictures: PictureStore) -> dict[str, Json]:
+    """The report for the page's scripts; its pictures go to `pictures`. No NaN or Infinity in it: null.
+
+    Raises InvalidInput where a picture and its reference differ in size.
+    """
+    renderers = dict.fromkeys(row.renderer for scene in data.scenes for row in scene.rows)
+    families: dict[str, None] = {}
+    for scene in data.scenes:
+        families.update(dict.fromkeys(f"{row.renderer}\n{row.family}" for row in scene.rows))
+    return {
+        "metrics": list(dict.fromkeys(m for scene in data.scenes for row in scene.rows for m in row.metrics)),
+        "renderers": list(renderers),
+        "families": [family.split("\n", 1) for family in families],
+        "scenes": [_scene(scene, data, pictures) for scene in data.scenes],
+        "pooled": [_curve(curve) for curve in pool(data.scenes)],
+    }
+
+
+def script_json(value: Json) -> str:
+    """JSON that can stand within <script>: nothing in it ends the element or opens a comment (HTML, 13.2.5.4)."""
+    text = json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
+    for character in "<>&\u2028\u2029":
+        text = text.replace(character, f"\\u{ord(character):04x}")
+    return text
+
+
+def _scene(scene: SceneSection, data: ReportData, pictures: PictureStore) -> dict[str, Json]:
+    for row in scene.rows:
+        if row.pixels.shape != scene.reference.shape:
+            raise InvalidInput(
+                f"{scene.name}: {row.renderer} {row.mode}: the picture is {_size(row.pixels)}, "
+                f"its reference {_size(scene.reference)}"
+            )
+    errors = [error_map(row.pixels, scene.reference) for row in scene.rows]
+    return {
+        "name": scene.name,
+        "title": scene.title,
+        "shows": scene.shows,
+        "width": scene.reference.shape[1],
+        "height": scene.reference.shape[0],
+        "reference": pictures.add(scene.reference),
+        "scale": error_scale(errors),
+        "rows": [
+            {**_curve(curve_of(row)), **_picture(row, worst_pixel(error), pictures)}
+            for row, error in zip(scene.rows, errors, strict=True)
+        ],
+        "lacking": _lacking(scene, data),
+    }
+
+
+def _size(pixels: np.ndarray) -> str:  # type: ignore[type-arg]  # any array: this is what is wrong with it
+    return " x ".join(str(side) for side in pixels.shape[1::-1] + pixels.shape[2:])
+
+
+def _picture(row: ModeRow, worst: tuple[int, int], pictures: PictureStore) -> dict[str, Json]:
+    return {
+        "picture": pictures.add(row.pixels),
+        "worst": list(worst),
+        "notFinite": int((~np.isfinite(row.pixels)).any(axis=2).sum()),
+    }
+
+
+def _lacking(scene: SceneSection, data: ReportData) -> list[dict[str, Json]]:
+    """What has no row in this scene, one entry a renderer and reason."""
+    found: dict[tuple[str, str, str], list[str]] = {}
+    for failure in data.failures:
+        if failure.scene == scene.name:
+            found.setdefault(("failed", failure.renderer, failure.message), []).append(failure.mode)
+    for cell in scene.empty:
+        found.setdefault(("empty", cell.renderer, cell.reason), []).append(cell.mode)
+    return [
+        {"kind": kind, "renderer": renderer, "reason": reason, "modes": modes}
+        for (kind, renderer, reason), modes in found.items()
+    ]
+
+
+def _curve(curve: Curve) -> dict[str, Json]:
+    return {
+        "renderer": curve.renderer,
+        "mode": curve.mode,
+        "family": curve.family,
+        "spp": number(curve.samples_per_pixel),
+        "cpu": _estimate(curve.cpu_seconds),
+        "metrics": _estimates(curve.metrics),
+        "pictures": curve.pictures,
+        "missing": list(curve.missing),
+    }
+
+
+def _estimates(metrics: Mapping[str, Estimate]) -> dict[str, Json]:
+    return {name: _estimate(estimate) for name, estimate in metrics.items()}
+
+
+def _estimate(estimate: Estimate) -> list[float | None]:
+    return [number(estimate.value), number(estimate.standard_error)]
+
+
+def number(value: float | None) -> float | None:
+    """A figure for JSON and CSV: None where there is none or it is not finite."""
+    return float(value) if value is not None and math.isfinite(value) else None

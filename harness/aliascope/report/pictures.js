@@ -1,0 +1,168 @@
+// Pictures: decoded when they are first shown (`encode.py` says how they are stored), coloured when they are drawn.
+
+const decoded = new Map();
+const decodedLimit = 256e6; // bytes; the pictures used longest ago are decoded again when they are needed
+let decodedBytes = 0;
+
+async function inflate(text) {
+  const binary = atob(text);
+  const bytes = new Uint8Array(binary.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = binary.charCodeAt(i);
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/** Words [count][3] from byte planes [significance][channel][count]. */
+function wordsOf(planes, count) {
+  const words = new Uint32Array(3 * count);
+  for (let channel = 0; channel < 3; channel++) {
+    for (let i = 0; i < count; i++) {
+      let word = 0;
+      for (let byte = 0; byte < 4; byte++) word = (word << 8) | planes[(byte * 3 + channel) * count + i];
+      words[3 * i + channel] = channel === 0 ? word : word + words[3 * i];
+    }
+  }
+  return words;
+}
+
+/** The linear values of a picture, Float32Array [height][width][3]. */
+async function decode(id, width, height) {
+  const body = await inflate(document.getElementById(`picture-${id}`).textContent);
+  const count = new DataView(body.buffer).getUint32(1, true);
+  const data = body.subarray(5);
+  const total = width * height;
+  if (body[0] === 0) return new Float32Array(wordsOf(data, total).buffer);
+  const colours = wordsOf(data, count);
+  const index = data.subarray(12 * count);
+  const words = new Uint32Array(3 * total);
+  for (let i = 0; i < total; i++) {
+    const colour = 3 * (count <= 256 ? index[i] : index[i] * 256 + index[total + i]);
+    words[3 * i] = colours[colour];
+    words[3 * i + 1] = colours[colour + 1];
+    words[3 * i + 2] = colours[colour + 2];
+  }
+  return new Float32Array(words.buffer);
+}
+
+/** The picture with a number, in a scene's size: {values, width, height}. */
+async function picture(id, scene) {
+  let entry = decoded.get(id);
+  if (entry) {
+    decoded.delete(id);
+  } else {
+    const { width, height } = scene;
+    const size = width * height * 12;
+    decodedBytes += size;
+    entry = { size, promise: decode(id, width, height).then((values) => ({ values, width, height })) };
+  }
+  decoded.set(id, entry);
+  for (const [old, { size }] of decoded) {
+    if (decodedBytes <= decodedLimit || old === id) break;
+    decoded.delete(old);
+    decodedBytes -= size;
+  }
+  return entry.promise;
+}
+
+const pictureOf = (scene, row) => picture(row ? row.picture : scene.reference, scene);
+
+// Linear to sRGB (IEC 61966-2-1), rounded to 8 bits.
+
+function srgbByte(linear) {
+  const v = clamp(linear, 0, 1);
+  return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
+}
+
+const notFinite = [255, 0, 255]; // a colour of neither map: a value that is not a number must not pass for one
+
+function paintPicture({ values, width, height }, exposure) {
+  const image = new ImageData(width, height);
+  const gain = 2 ** exposure;
+  for (let i = 0, o = 0; i < values.length; i += 3, o += 4) {
+    const finite = Number.isFinite(values[i] + values[i + 1] + values[i + 2]);
+    for (let c = 0; c < 3; c++) image.data[o + c] = finite ? srgbByte(values[i + c] * gain) : notFinite[c];
+    image.data[o + 3] = 255;
+  }
+  return image;
+}
+
+// Signed error: blue where the picture is darker than the reference, red where it is brighter, neutral at zero.
+// Even steps of lightness in Oklab (Ottosson 2020) on both sides, so that no edge appears where the error has none.
+
+const neutral = [0.965, 0, 0];
+const darker = [[0.72, -0.035, -0.085], [0.48, -0.03, -0.13], [0.28, -0.01, -0.1]];
+const brighter = [[0.72, 0.095, 0.065], [0.48, 0.135, 0.075], [0.28, 0.085, 0.04]];
+
+function oklabToBytes([L, a, b]) {
+  const l = (L + 0.3963377774 * a + 0.2158037573 * b) ** 3;
+  const m = (L - 0.1055613458 * a - 0.0638541728 * b) ** 3;
+  const s_ = (L - 0.0894841775 * a - 1.291485548 * b) ** 3;
+  return [
+    srgbByte(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s_),
+    srgbByte(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s_),
+    srgbByte(-0.0041960863 * l - 0.7034186147 * m + 1.707614701 * s_),
+  ];
+}
+
+/** The colour of an error as a share of the scale, -1 to 1; beyond, the colour stays. */
+function divergingColour(share) {
+  const stops = [neutral, ...(share < 0 ? darker : brighter)];
+  const at = Math.min(Math.abs(share), 1) * (stops.length - 1);
+  const low = Math.min(Math.floor(at), stops.length - 2);
+  return oklabToBytes(stops[low].map((value, i) => value + (at - low) * (stops[low + 1][i] - value)));
+}
+
+const halfSteps = 256; // even, so that 0 has a colour of its own
+const divergingTable = Array.from({ length: 2 * halfSteps + 1 }, (_, i) => divergingColour(i / halfSteps - 1));
+
+function errorColour(error, scale) {
+  if (!Number.isFinite(error)) return notFinite;
+  return divergingTable[Math.round(halfSteps * (1 + clamp(error / scale, -1, 1)))];
+}
+
+/** The signed error of a pixel: the mean over the channels of picture - reference. */
+function signedError(values, reference, i) {
+  return (values[i] - reference[i] + (values[i + 1] - reference[i + 1]) + (values[i + 2] - reference[i + 2])) / 3;
+}
+
+function paintError({ values, width, height }, reference, scale) {
+  const image = new ImageData(width, height);
+  for (let i = 0, o = 0; i < values.length; i += 3, o += 4) {
+    image.data.set(errorColour(signedError(values, reference.values, i), scale), o);
+    image.data[o + 3] = 255;
+  }
+  return image;
+}
+
+/** A picture averaged over squares of `factor` pixels, for a thumbnail. */
+function shrink({ values, width, height }, factor) {
+  if (factor === 1) return { values, width, height };
+  const [w, h_] = [Math.ceil(width / factor), Math.ceil(height / factor)];
+  const sums = new Float64Array(3 * w * h_);
+  const counts = new Float64Array(w * h_);
+  for (let y = 0; y < height; y++) {
+    for (let x = 0; x < width; x++) {
+      const to = Math.floor(y / factor) * w + Math.floor(x / factor);
+      counts[to]++;
+      for (let c = 0; c < 3; c++) sums[3 * to + c] += values[3 * (y * width + x) + c];
+    }
+  }
+  return { values: sums.map((sum, i) => sum / counts[Math.floor(i / 3)]), width: w, height: h_ };
+}
+
+/** The scale of the error maps of a scene: the reader's, else the one from the data. */
+const scaleOf = (scene) => (scene.name === state.scene && state.scale ? state.scale : scene.scale);
+
+/** The scale of the error maps, printed: a bar of its colours between its ends. */
+function errorLegend(scale) {
+  const bar = h("span", { class: "bar", "aria-hidden": "true" });
+  const colours = Array.from({ length: 33 }, (_, i) => `rgb(${divergingColour(i / 16 - 1).join(" ")})`);
+  bar.style.backgroundImage = `linear-gradient(to right, ${colours.join(", ")})`;
+  return h(
+    "p",
+    { class: "error-legend" },
+    h("span", { class: "end" }, `\u2212${figure(scale, 2)}`, h("small", {}, "darker")),
+    h("span", { class: "middle" }, bar, h("small", {}, "0")),
+    h("span", { class: "end" }, `+${figure(scale, 2)}`, h("small", {}, "brighter")),
+  );
+}

@@ -1,0 +1,159 @@
+// The tables of modes: sorted by a click on their heads, the best of a column in bold, A and B chosen in their rows.
+
+const columns = [
+  { key: "mode", title: () => "Mode" },
+  { key: "error", title: (metric) => metric.title, number: true, spread: true },
+  { key: "spp", title: () => "Samples a pixel", number: true },
+  { key: "cpu", title: () => "CPU, s", number: true, spread: true },
+  { key: "efficiency", title: () => "Efficiency, 1/(MSE·s)", number: true, spread: true },
+  { key: "pictures", title: () => "Pictures", number: true },
+];
+
+/** What a column sorts by, where less comes first going up; null goes last either way. */
+function sortValue(row, key, metric) {
+  switch (key) {
+    case "mode": return identity(row);
+    case "error": return badnessOf(row, metric);
+    case "spp": return row.spp;
+    case "cpu": return row.cpu[0];
+    case "efficiency": return efficiencyOf(row)[0];
+    default: return row.pictures;
+  }
+}
+
+function sortedRows(rows, sort, metric) {
+  const [key, direction] = sort.split("-");
+  const sign = direction === "up" ? 1 : -1;
+  const order = new Intl.Collator("en", { numeric: true });
+  return rows
+    .map((row, index) => ({ row, index, value: sortValue(row, key, metric) }))
+    .sort((a, b) => {
+      if (a.value === null || b.value === null) return Number(a.value === null) - Number(b.value === null) || a.index - b.index;
+      const less = key === "mode" ? order.compare(a.value, b.value) : a.value === b.value ? 0 : a.value < b.value ? -1 : 1;
+      return sign * less || a.index - b.index;
+    })
+    .map(({ row }) => row);
+}
+
+/** The rows that are best in a column; none where all are alike. */
+function bestOf(rows, key, metric) {
+  const sign = key === "efficiency" ? -1 : 1;
+  const values = rows.map((row) => sortValue(row, key, metric)).filter((value) => value !== null).map((v) => sign * v);
+  const least = Math.min(...values);
+  if (new Set(values).size < 2) return new Set();
+  return new Set(rows.filter((row) => {
+    const value = sortValue(row, key, metric);
+    return value !== null && sign * value === least;
+  }));
+}
+
+class ModeTable {
+  /** `picks` is whether rows can be put into A and B: those of a scene, not the pooled ones. */
+  constructor(host, rows, caption, picks) {
+    Object.assign(this, { rows, caption, picks });
+    this.table = h("table", { class: "modes", click: (event) => this.click(event) });
+    host.append(h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": caption }, this.table));
+    this.draw();
+  }
+
+  draw() {
+    const metric = metricOf(state.metric);
+    this.sorted = sortedRows(this.rows, state.sort, metric);
+    const best = Object.fromEntries(["error", "cpu", "efficiency"].map((key) => [key, bestOf(this.rows, key, metric)]));
+    const cells = this.figures(metric);
+    const body = this.sorted.map((row, i) => this.row(row, i, cells, best));
+    this.table.replaceChildren(h("caption", { class: "hidden" }, this.caption), this.head(metric), h("tbody", {}, body));
+  }
+
+  /** The texts of the number columns, points in line down each. */
+  figures(metric) {
+    const pairs = {
+      error: this.sorted.map((row) => (badnessOf(row, metric) === -Infinity ? [null, null] : estimateOf(row, metric.name))),
+      cpu: this.sorted.map((row) => row.cpu),
+      efficiency: this.sorted.map(efficiencyOf),
+    };
+    const columns_ = {};
+    for (const [key, list] of Object.entries(pairs)) {
+      columns_[key] = alignPoints(list.map(([value]) => figure(value)));
+      columns_[`${key}±`] = alignPoints(list.map(([value, error]) => (value === null ? "" : uncertainty(value, error))));
+    }
+    columns_.error = columns_.error.map((text, i) => (badnessOf(this.sorted[i], metric) === -Infinity ? "∞" : text));
+    columns_.spp = alignPoints(this.sorted.map((row) => figure(row.spp)));
+    columns_.pictures = this.sorted.map((row) => String(row.pictures));
+    return columns_;
+  }
+
+  head(metric) {
+    const [sortKey, direction] = state.sort.split("-");
+    const cells = columns.map(({ key, title, number, spread }) => {
+      const active = key === sortKey;
+      return h("th",
+        {
+          scope: "col", class: number ? "number" : null, colspan: spread ? 2 : null,
+          "aria-sort": active ? (direction === "up" ? "ascending" : "descending") : "none",
+        },
+        h("button", { type: "button", "data-sort": key },
+          title(metric), h("span", { class: "arrow", "aria-hidden": "true" }, active ? (direction === "up" ? "▲" : "▼") : "")));
+    });
+    if (this.picks) cells.push(h("th", { scope: "col", class: "slots" }, "View as"));
+    return h("thead", {}, h("tr", {}, cells));
+  }
+
+  row(row, i, cells, best) {
+    const number = (key, bold) => h("td", { class: bold ? "number best" : "number" }, cells[key][i]);
+    const remarks = [
+      row.notFinite ? h("span", { class: "bad" }, ` ${row.notFinite} pixels are not finite`) : null,
+      row.missing.length ? h("span", { class: "soft" }, ` lacks ${row.missing.join(", ")}`) : null,
+    ];
+    const slots = ["a", "b"].map((slot) =>
+      h("button", {
+        type: "button", class: `slot ${slot}`, "data-slot": slot, "aria-pressed": String(state[slot] === identity(row)),
+        "aria-label": `show ${identity(row)} as ${slot.toUpperCase()}`,
+      }, slot.toUpperCase()));
+    return h("tr", { "data-mode": identity(row), class: this.picks ? "picks" : null },
+      h("th", { scope: "row" }, marker(row), " ", h("span", { class: "renderer" }, row.renderer), " ", spec(row.mode), remarks),
+      number("error", best.error.has(row)),
+      h("td", { class: "spread" }, cells["error±"][i]),
+      number("spp"),
+      number("cpu", best.cpu.has(row)),
+      h("td", { class: "spread" }, cells["cpu±"][i]),
+      number("efficiency", best.efficiency.has(row)),
+      h("td", { class: "spread" }, cells["efficiency±"][i]),
+      number("pictures"),
+      this.picks ? h("td", { class: "slots" }, slots) : null);
+  }
+
+  click(event) {
+    const head = event.target.closest("[data-sort]");
+    if (head) {
+      const [key, direction] = state.sort.split("-");
+      const pressed = head.dataset.sort;
+      const first = pressed === "efficiency" ? "down" : "up";
+      const turned = direction === "up" ? "down" : "up";
+      change({ sort: `${pressed}-${pressed === key ? turned : first}` });
+      this.table.querySelector(`[data-sort="${pressed}"]`).focus();
+      return;
+    }
+    const row = event.target.closest("tbody tr");
+    if (!row || !this.picks) return;
+    const slot = event.target.closest("[data-slot]")?.dataset.slot ?? (event.shiftKey ? "b" : "a");
+    choose(slot, row.dataset.mode);
+  }
+
+  mark() {
+    for (const button of this.table.querySelectorAll("[data-slot]")) {
+      const name = button.closest("tr").dataset.mode;
+      button.setAttribute("aria-pressed", String(state[button.dataset.slot] === name));
+    }
+  }
+}
+
+/** What a scene has no figures of, and why. */
+function lackingList(scene) {
+  if (!scene.lacking.length) return null;
+  const items = scene.lacking.map(({ kind, renderer, reason, modes }) =>
+    h("li", { class: kind === "failed" ? "bad-rule" : null },
+      h("b", {}, renderer), kind === "failed" ? " failed" : " cannot draw it", `: ${reason}`,
+      h("span", { class: "soft" }, " ", modes.length > 3 ? `${modes.length} modes` : modes.map((mode, i) => [i ? ", " : "", spec(mode)]))));
+  return h("div", { class: "lacking" }, h("h4", {}, "Empty cells"), h("ul", {}, items));
+}

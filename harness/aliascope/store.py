@@ -1,0 +1,155 @@
+"""The results of comparisons: one SQLite file, written by one process, whole after each job."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from types import TracebackType
+
+from aliascope.errors import InvalidInput, NotWritable
+from aliascope.records import Cost, Job, Outcome
+
+SCHEMA_VERSION = 1
+
+_SCHEMA = """
+CREATE TABLE run (
+  id INTEGER PRIMARY KEY,
+  started TEXT NOT NULL,            -- UTC, ISO 8601
+  command TEXT NOT NULL,
+  revision TEXT NOT NULL,           -- of the source tree, "+" where it has changes
+  machine TEXT NOT NULL,            -- JSON
+  versions TEXT NOT NULL            -- JSON
+);
+CREATE TABLE job (
+  key TEXT PRIMARY KEY,             -- hash of all that the picture depends on
+  run INTEGER NOT NULL REFERENCES run (id),
+  scene TEXT NOT NULL, scene_path TEXT NOT NULL,
+  renderer TEXT NOT NULL, mode TEXT NOT NULL,
+  width INTEGER NOT NULL, height INTEGER NOT NULL,
+  seed INTEGER NOT NULL,
+  status TEXT NOT NULL CHECK (status IN ('done', 'failed')),
+  message TEXT NOT NULL,
+  samples INTEGER, samples_per_pixel REAL,
+  rays TEXT,                        -- JSON, by kind
+  cpu_seconds REAL, wall_seconds REAL, repeats INTEGER,
+  quantum REAL,
+  image TEXT,                       -- relative to the folder
+  harness_seconds REAL
+);
+CREATE TABLE metric (
+  key TEXT NOT NULL REFERENCES job (key) ON DELETE CASCADE,
+  name TEXT NOT NULL,
+  value REAL,                       -- NULL: the metric has none for this picture
+  PRIMARY KEY (key, name)
+);
+"""
+
+
+class Store:
+    """The results of one output folder. Use as a context manager; raises NotWritable, InvalidInput."""
+
+    def __init__(self, path: Path) -> None:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._database = sqlite3.connect(path)
+            self._database.execute("PRAGMA journal_mode = WAL")
+            self._database.execute("PRAGMA synchronous = NORMAL")
+            self._database.execute("PRAGMA foreign_keys = ON")
+            self._open_schema(path)
+        except (OSError, sqlite3.OperationalError) as error:
+            raise NotWritable(f"{path}: cannot be written: {error}; choose another folder with -o") from error
+        except sqlite3.DatabaseError as error:
+            raise InvalidInput(f"{path}: is not a database of results: {error}; move it away") from error
+        self._run = 0
+
+    def _open_schema(self, path: Path) -> None:
+        (version,) = self._database.execute("PRAGMA user_version").fetchone()
+        if version == 0:
+            with self._database:
+                self._database.executescript(_SCHEMA)
+                self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+        elif version != SCHEMA_VERSION:
+            raise InvalidInput(
+                f"{path}: was written with schema {version}, this version has {SCHEMA_VERSION}; "
+                "choose another folder with -o"
+            )
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._database.close()
+
+    def begin_run(
+        self, started: str, command: str, revision: str, machine: Mapping[str, str], versions: Mapping[str, str]
+    ) -> None:
+        """Notes who makes the results that follow."""
+        with self._database:
+            cursor = self._database.execute(
+                "INSERT INTO run (started, command, revision, machine, versions) VALUES (?, ?, ?, ?, ?)",
+                (started, command, revision, json.dumps(dict(machine)), json.dumps(dict(versions))),
+            )
+        assert cursor.lastrowid is not None
+        self._run = cursor.lastrowid
+
+    def put(self, outcome: Outcome) -> None:
+        """Keeps an outcome, in place of an earlier one of the same job."""
+        job, cost = outcome.job, outcome.cost
+        figures = (
+            (cost.samples, cost.samples_per_pixel, json.dumps(dict(cost.rays)))
+            + (cost.cpu_seconds, cost.wall_seconds, cost.repeats)
+            if cost
+            else (None,) * 6
+        )
+        row = (
+            *(job.key, self._run, job.scene, job.scene_path, job.renderer, job.mode, job.width, job.height, job.seed),
+            *(outcome.status, outcome.message, *figures),
+            *(outcome.quantum, outcome.image, outcome.harness_seconds),
+        )
+        try:
+            with self._database:
+                self._database.execute("DELETE FROM job WHERE key = ?", (job.key,))
+                self._database.execute(f"INSERT INTO job VALUES ({', '.join('?' * len(row))})", row)
+                self._database.executemany(
+                    "INSERT INTO metric VALUES (?, ?, ?)",
+                    [(job.key, name, value) for name, value in outcome.metrics.items()],
+                )
+        except sqlite3.OperationalError as error:
+            raise NotWritable(f"results.sqlite: cannot be written: {error}") from error
+
+    def done(self, keys: Iterable[str]) -> dict[str, Outcome]:
+        """The finished outcomes among these keys; failed ones are not among them, so they are tried again."""
+        found: dict[str, Outcome] = {}
+        self._database.row_factory = sqlite3.Row
+        for key in keys:
+            row = self._database.execute("SELECT * FROM job WHERE key = ? AND status = 'done'", (key,)).fetchone()
+            if row is not None:
+                metrics = self._database.execute("SELECT name, value FROM metric WHERE key = ?", (key,))
+                found[key] = _outcome(row, {name: value for name, value in metrics})
+        return found
+
+
+def _outcome(row: sqlite3.Row, metrics: Mapping[str, float | None]) -> Outcome:
+    names = ("key", "scene", "scene_path", "renderer", "mode", "width", "height", "seed")
+    cost = Cost(
+        samples=row["samples"],
+        samples_per_pixel=row["samples_per_pixel"],
+        rays=json.loads(row["rays"]),
+        cpu_seconds=row["cpu_seconds"],
+        wall_seconds=row["wall_seconds"],
+        repeats=row["repeats"],
+    )
+    return Outcome(
+        job=Job(**{name: row[name] for name in names}),
+        status=row["status"],
+        message=row["message"],
+        cost=cost,
+        metrics=metrics,
+        quantum=row["quantum"],
+        image=row["image"],
+        harness_seconds=row["harness_seconds"],
+    )

@@ -1,0 +1,181 @@
+"""`aliascope compare`: the same scenes by every renderer and mode, measured, kept, and told."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from aliascope import image, pipeline, places, references, renderers
+from aliascope.errors import NotWritable
+from aliascope.pipeline import Options, Plan, Progress
+from aliascope.records import Estimate, Failure, Job, ModeRow, Outcome, ReportData, SceneSection
+from aliascope.references import files as reference_files
+from aliascope.references import Reference
+from aliascope.report import write_report
+from aliascope.specs import family
+from aliascope.statistics import mean, root_mean_square
+from aliascope.store import Store
+from aliascope.studies.headlines import headlines
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What a comparison came to."""
+
+    report: Path
+    data: ReportData
+    rendered: int
+    outcomes: Mapping[str, Outcome]
+
+
+def compare(
+    plan: Plan,
+    folder: Path,
+    options: Options,
+    command: str,
+    progress: Progress,
+) -> Comparison:
+    """Renders what `folder` does not have yet, and writes results and report there.
+
+    Raises CheckFailed for a scene of the project without its reference, Unsupported for another's that has no exact
+    one, NotWritable for the folder.
+    """
+    begun, started = time.perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
+    sizes = {job.scene: (job.width, job.height) for job in plan.jobs}
+    judged = {name: reference_of(plan, name, size) for name, size in sizes.items()}
+    with Store(folder / "results.sqlite") as store:
+        _check_writable(folder)
+        store.begin_run(started, command, places.revision(), places.machine(), plan.versions)
+        pixels = {name: reference.pixels for name, reference in judged.items()}
+        outcomes, reused = pipeline.execute(plan, folder, store, pixels, options, progress)
+    sections = tuple(_section(plan, name, judged[name], outcomes, folder) for name in plan.files if name in judged)
+    data = ReportData(
+        title="aliascope compare",
+        started=started,
+        wall_seconds=time.perf_counter() - begun,
+        pictures=sum(outcome.status == "done" for outcome in outcomes.values()),
+        reused=reused,
+        headlines=headlines(sections),
+        scenes=sections,
+        failures=tuple(
+            Failure(job.scene, job.renderer, job.mode, outcome.message, pipeline.repeat_command(job))
+            for job, outcome in ((job, outcomes[job.key]) for job in plan.jobs)
+            if outcome.status == "failed"
+        ),
+        machine=places.machine(),
+        versions={"aliascope": f"{places.own_version()} ({places.revision()})", **plan.versions},
+        skipped=plan.skipped,
+    )
+    return Comparison(write_report(folder, data), data, len(outcomes) - reused, outcomes)
+
+
+def _check_writable(folder: Path) -> None:
+    try:
+        (folder / "images").mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise NotWritable(f"{folder}: cannot be written: {error.strerror}; choose another folder with -o") from error
+
+
+def reference_of(plan: Plan, name: str, size: tuple[int, int]) -> Reference:
+    """The kept reference of a scene of the project at its own size; of any other scene or size, one made now."""
+    file = plan.files[name]
+    if file.path.parent == places.SCENES and size == file.scene.view.size:
+        return reference_files.load(places.REFERENCES, name, file.scene, size, "box")
+    return references.make(file.scene, size)
+
+
+def _section(
+    plan: Plan, name: str, reference: Reference, outcomes: Mapping[str, Outcome], folder: Path
+) -> SceneSection:
+    scene = plan.files[name].scene
+    groups: dict[tuple[str, str], list[Outcome]] = {}
+    for job in sorted(plan.jobs, key=lambda job: (list(renderers.RENDERERS).index(job.renderer), job.seed)):
+        outcome = outcomes[job.key]
+        if job.scene == name and outcome.status == "done":
+            groups.setdefault((job.renderer, job.mode), []).append(outcome)
+    rows = [_row(group, folder) for group in groups.values()]
+    rows.sort(key=lambda row: (list(renderers.RENDERERS).index(row.renderer), row.family, row.samples_per_pixel))
+    note = f"exact ({reference.method}), error below {reference.error:.1g}"
+    empty = tuple(cell for cell in plan.empty if cell.scene == name)
+    return SceneSection(name, scene.title, scene.shows, reference.pixels, note, tuple(rows), empty)
+
+
+def _row(outcomes: Sequence[Outcome], folder: Path) -> ModeRow:
+    """One mode's pictures, the first seed's first."""
+    first = outcomes[0]
+    assert first.cost is not None
+    spec = renderers.mode_of(renderers.find(first.job.renderer), first.job.mode)
+    return ModeRow(
+        renderer=first.job.renderer,
+        mode=first.job.mode,
+        family=family(spec),
+        samples_per_pixel=first.cost.samples_per_pixel,
+        cpu_seconds=mean([outcome.cost.cpu_seconds for outcome in outcomes if outcome.cost]),
+        metrics={name: _estimate(name, outcomes) for name in first.metrics},
+        pictures=len(outcomes),
+        pixels=image.read_image(folder / first.image),
+        quantum=first.quantum,
+    )
+
+
+def _estimate(name: str, outcomes: Sequence[Outcome]) -> Estimate:
+    """RMSE over seeds by the mean of squares, which is unbiased; the others by their mean."""
+    values = [value for outcome in outcomes if (value := outcome.metrics[name]) is not None]
+    if not values:
+        return Estimate(None)
+    return root_mean_square(values) if name == "rmse" else mean(values)
+
+
+def summary(result: Comparison, plan: Plan) -> dict[str, Any]:
+    """The document of `aliascope compare --json`."""
+    data = result.data
+    return {
+        "report": str(result.report),
+        "pictures": data.pictures,
+        "rendered": result.rendered,
+        "reused": data.reused,
+        "failed": len(data.failures),
+        "wall_seconds": data.wall_seconds,
+        "headlines": list(data.headlines),
+        "skipped": dict(data.skipped),
+        "empty": [
+            {"scene": cell.scene, "renderer": cell.renderer, "mode": cell.mode, "reason": cell.reason}
+            for cell in plan.empty
+        ],
+        "failures": [asdict(failure) for failure in data.failures],
+        "rows": [_row_document(scene.name, row) for scene in data.scenes for row in scene.rows],
+    }
+
+
+def _row_document(scene: str, row: ModeRow) -> dict[str, Any]:
+    return {
+        "scene": scene,
+        "renderer": row.renderer,
+        "mode": row.mode,
+        "samples_per_pixel": row.samples_per_pixel,
+        "pictures": row.pictures,
+        "cpu_seconds": row.cpu_seconds.value,
+        "metrics": {name: estimate.value for name, estimate in row.metrics.items()},
+        "standard_errors": {name: estimate.standard_error for name, estimate in row.metrics.items()},
+    }
+
+
+def summary_lines(result: Comparison, plan: Plan) -> list[str]:
+    """What a person reads at the end: failures, what is missing, the headlines, the path of the report."""
+    data = result.data
+    lines = [
+        f"FAILED {failure.scene} {failure.renderer} {failure.mode}: {failure.message}\n  again: {failure.command}"
+        for failure in data.failures
+    ]
+    lines += [f"skipped {name}: {reason}" for name, reason in data.skipped.items()]
+    reasons = {(cell.scene, cell.renderer, cell.reason) for cell in plan.empty}
+    lines += [f"empty {scene}: {reason}" for scene, _, reason in sorted(reasons)]
+    lines += data.headlines
+    kept = f", {data.reused} of them from before" if data.reused else ""
+    lines.append(f"{data.pictures} pictures{kept}, {len(data.failures)} failed, {data.wall_seconds:.0f} s")
+    lines.append(str(result.report))
+    return lines

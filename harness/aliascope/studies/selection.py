@@ -1,0 +1,63 @@
+"""From the words of the command line to a plan: which scenes, renderers and modes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from aliascope import pipeline, plan, renderers, scene_io
+from aliascope.errors import InvalidInput, SpecError, near_misses
+from aliascope.pipeline import Plan
+from aliascope.specs import split
+
+WILDCARDS = frozenset("*?[")
+
+
+def plan_of(
+    scenes: Sequence[str],
+    chosen: Sequence[str],
+    modes: Sequence[str],
+    profile: str,
+    size: tuple[int, int] | None,
+) -> Plan:
+    """The plan of `aliascope compare`. Nothing named means all; renderers named must be there."""
+    own = plan.profile(profile)
+    names = plan.matching(chosen, renderers.RENDERERS, "renderer") if chosen else list(own)
+    wanted = {name: list(own.get(name, ())) for name in names}
+    if modes:
+        wanted = _modes(wanted, modes)
+    files = [scene_io.load(name) for name in _scenes(scenes)]
+    twice = {file.name for file in files if sum(other.name == file.name for other in files) > 1}
+    if twice:
+        raise InvalidInput(f"two scenes are named {', '.join(sorted(twice))}: rename one of the files")
+    return pipeline.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
+
+
+def _scenes(patterns: Sequence[str]) -> list[str]:
+    paths = [pattern for pattern in patterns if "/" in pattern or pattern.endswith(".toml")]
+    named = [pattern for pattern in patterns if pattern not in paths]
+    own = plan.matching(named, scene_io.names(), "scene") if named else [] if paths else scene_io.names()
+    return [*own, *paths]
+
+
+def _modes(profile: dict[str, list[str]], modes: Sequence[str]) -> dict[str, list[str]]:
+    """Modes with a wildcard choose among the profile's; others are specs of those renderers that have their name."""
+    wanted: dict[str, list[str]] = {name: [] for name in profile}
+    for mode in modes:
+        hits = {name: _hits(name, mode, own) for name, own in profile.items()}
+        if not any(hits.values()):
+            known = [form for name in profile for form in renderers.find(name).modes]
+            raise SpecError(f'no mode "{mode}" of {", ".join(profile)}{near_misses(split(mode)[0], known)}')
+        for name, found in hits.items():
+            wanted[name] += found
+    return {name: found for name, found in wanted.items() if found}
+
+
+def _hits(renderer: str, mode: str, own: Sequence[str]) -> list[str]:
+    found = renderers.find(renderer)
+    if WILDCARDS & set(mode):
+        known = [renderers.mode_of(found, each).text for each in own]
+        try:
+            return plan.matching([mode], known, "mode")
+        except InvalidInput:
+            return []
+    return [mode] if split(mode)[0] in found.modes else []

@@ -1,0 +1,90 @@
+"""One picture, one reference: `aliascope render` and `aliascope reference`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from aliascope import api, image, metrics, pipeline, plan, references, renderers, scene_io
+from aliascope.references import files
+from aliascope.renderers.base import LEAST_SECONDS
+
+
+def render_file(
+    scene: str, renderer: str, mode: str, out: Path, seed: int, size: tuple[int, int] | None, threads: int
+) -> dict[str, Any]:
+    """Renders to a file, and gives the figures of `aliascope render --json`."""
+    file = scene_io.load(scene)
+    found = renderers.find(renderer)
+    spec = renderers.mode_of(found, mode)
+    least = LEAST_SECONDS if threads == 1 else 0.0
+    rendering = api.render(file, renderer, mode, size=size, seed=seed, threads=threads, least_seconds=least)
+    metrics.check_finite(rendering.pixels, "the picture")
+    versions = found.versions()
+    height, width, _ = rendering.pixels.shape
+    job = plan.make_job(
+        scene=file.name,
+        scene_path=str(file.path),
+        digest=file.scene.digest(),
+        renderer=renderer,
+        mode=spec.text,
+        size=(width, height),
+        seed=seed,
+        versions=versions,
+    )
+    image.write_exr(out, rendering.pixels, pipeline.provenance(job, rendering, versions))
+    cost = rendering.cost
+    return {
+        "scene": file.name,
+        "renderer": renderer,
+        "mode": spec.text,
+        "seed": seed,
+        "width": width,
+        "height": height,
+        "samples": cost.samples,
+        "samples_per_pixel": cost.samples_per_pixel,
+        "rays": dict(cost.rays),
+        "cpu_seconds": cost.cpu_seconds,
+        "wall_seconds": cost.wall_seconds,
+        "repeats": cost.repeats,
+        "threads": threads,
+        "quantum": rendering.quantum,
+        "versions": dict(versions),
+        "image": str(out),
+    }
+
+
+def make_reference(scene: str, folder: Path, size: tuple[int, int] | None) -> dict[str, Any]:
+    """Makes and writes one reference."""
+    file = scene_io.load(scene)
+    wanted = size or file.scene.view.size
+    made = references.make(file.scene, wanted)
+    path = files.save(folder, file.name, file.scene, wanted, "box", made)
+    return {
+        "scene": file.name,
+        "path": str(path),
+        "method": made.method,
+        "error": made.error,
+        "holds": True,
+        "text": f"{path}: {made.method}, error below {made.error:.2g}",
+    }
+
+
+def verify_reference(scene: str, folder: Path, size: tuple[int, int] | None) -> dict[str, Any]:
+    """Makes one reference again and compares it with the file."""
+    file = scene_io.load(scene)
+    wanted = size or file.scene.view.size
+    found = files.verify(folder, file.name, file.scene, wanted, "box")
+    verdict = "holds" if found.holds else f"DOES NOT HOLD: {found.reason}"
+    return {
+        "scene": file.name,
+        "path": str(files.path_of(folder, file.name, wanted, "box")),
+        "method": found.method,
+        "error": found.error,
+        "holds": found.holds,
+        "reason": found.reason,
+        "max_difference": found.max_difference if found.max_difference == found.max_difference else None,
+        "tolerance": found.tolerance,
+        "text": f"{file.name}: {verdict}; largest difference {found.max_difference:.2g} "
+        f"({found.method}, error below {found.error:.2g})",
+    }

@@ -1,0 +1,272 @@
+/* The tracer: geometry, pixels, sums, and the same bits for every division of the work. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "tracer.h"
+
+/* A world unit is a pixel, (0, 0) the picture's lower left corner, seen from z = 10 along -z. */
+static asc_view flat_view(uint32_t width, uint32_t height) {
+  return (asc_view){.projection = ASC_ORTHOGRAPHIC,
+                    .width = width,
+                    .height = height,
+                    .eye = {width / 2.0, height / 2.0, 10.0},
+                    .right = {1, 0, 0},
+                    .up = {0, 1, 0},
+                    .forward = {0, 0, -1},
+                    .half_width = width / 2.0,
+                    .half_height = height / 2.0,
+                    .background = {0, 0, 0}};
+}
+
+static asc_material glow(double red, double green, double blue) {
+  return (asc_material){.emission = {red, green, blue}};
+}
+
+static void render(const asc_scene *scene, const char *spec, uint64_t samples, uint32_t threads, float *pixels,
+                   tracer_cost *cost) {
+  const asc_sampler_desc pattern = {sizeof pattern, spec, samples, 2, 7};
+  asc_sampler *sampler = NULL;
+  tracer *made = NULL;
+  asc_error error = {{0}};
+  assert_int_equal(asc_sampler_create(&pattern, &sampler, &error), ASC_OK);
+  if (tracer_create(scene, &made, &error)) fail_msg("%s", error.text);
+  const tracer_desc desc = {sizeof desc, sampler, threads};
+  if (tracer_render(made, &desc, pixels, cost, &error)) fail_msg("%s", error.text);
+  tracer_destroy(made);
+  asc_sampler_destroy(sampler);
+}
+
+/* A red triangle that covers pixel (1, 0) wholly and pixel (0, 3) not at all: a picture that is mirrored, transposed or
+ * upside down shows it. */
+static void pixels_are_where_they_should_be(void **state) {
+  (void)state;
+  const double vertices[] = {0.9, 4.1, 0, 2.1, 4.1, 0, 2.1, 2.9, 0, 0.9, 4.1, 0, 2.1, 2.9, 0, 0.9, 2.9, 0};
+  const uint32_t indices[] = {0, 0};
+  const asc_material materials[] = {glow(1, 0.5, 0.25)};
+  asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(6, 4), .materials = materials};
+  scene.material_count = 1;
+  scene.vertices = vertices;
+  scene.triangle_material = indices;
+  scene.triangle_count = 2;
+  float pixels[4][6][3];
+  render(&scene, "regular", 1, 1, &pixels[0][0][0], NULL);
+  for (int y = 0; y < 4; y++) {
+    for (int x = 0; x < 6; x++) {
+      const float lit = x == 1 && y == 0 ? 1.0f : 0.0f;
+      assert_true(pixels[y][x][0] == lit && pixels[y][x][1] == 0.5f * lit && pixels[y][x][2] == 0.25f * lit);
+    }
+  }
+}
+
+/* 31 x 17 is no multiple of the block of 4; counts below, at and above a packet, and no multiple of it. */
+static void threads_do_not_change_a_bit(void **state) {
+  (void)state;
+  enum { W = 31, H = 17 };
+  const double vertices[] = {-2, 3, 0, 33, 9, 0, 20, -4, 0, 4, 20, -1, 28, 2, -1, 30, 19, -1};
+  const uint32_t indices[] = {0, 1};
+  asc_material materials[] = {glow(0.9, 0.5, 0.1), glow(0.2, 0.8, 1.0)};
+  materials[1].pattern = (asc_pattern){ASC_PATTERN_ZONE_PLATE, 0.7, {15, 9, -1}, {0, 0, 0}, {1, 1, 1}};
+  const asc_disc discs[] = {{{8, 8, 1}, {0, 0.2, 2}, 3.3, 1}};
+  const asc_sphere spheres[] = {{{22, 6, 2}, 4.4, 0}};
+  asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(W, H), .materials = materials};
+  scene.material_count = 2;
+  scene.vertices = vertices;
+  scene.triangle_material = indices;
+  scene.triangle_count = 2;
+  scene.discs = discs;
+  scene.disc_count = 1;
+  scene.spheres = spheres;
+  scene.sphere_count = 1;
+  const uint64_t counts[] = {1, 3, 16, 50, 2000};
+  for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
+    static float one[H][W][3], many[H][W][3];
+    tracer_cost cost;
+    render(&scene, "sobol:scramble=owen", counts[k], 1, &one[0][0][0], &cost);
+    assert_int_equal(cost.samples, counts[k] * W * H);
+    assert_int_equal(cost.primary_rays, counts[k] * W * H);
+    assert_true(cost.cpu_seconds > 0.0 && cost.wall_seconds > 0.0);
+    for (uint32_t threads = 2; threads <= 5; threads += 3) {
+      render(&scene, "sobol:scramble=owen", counts[k], threads, &many[0][0][0], NULL);
+      assert_memory_equal(one, many, sizeof one);
+    }
+  }
+}
+
+/* Mean over the picture of a lit surface, times its pixels: the area, in pixels. */
+static double lit_area(const asc_scene *scene, uint64_t samples) {
+  const size_t count = (size_t)scene->view.width * scene->view.height;
+  float *pixels = malloc(count * 3 * sizeof *pixels);
+  assert_non_null(pixels);
+  render(scene, "sobol:scramble=owen", samples, 1, pixels, NULL);
+  double sum = 0.0;
+  for (size_t i = 0; i < count; i++) sum += pixels[3 * i];
+  free(pixels);
+  return sum;
+}
+
+/* About 100 pixels are crossed by the outline, each known to 0.36 * 1024^-3/4 = 0.002 (the jittered rate, which Sobol
+ * does not exceed): 0.02 in the sum, of which the bound is five. */
+static void discs_and_spheres_have_their_areas(void **state) {
+  (void)state;
+  const asc_material materials[] = {glow(1, 1, 1)};
+  asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(32, 32), .materials = materials};
+  scene.material_count = 1;
+  const asc_disc tilted = {{15.7, 16.2, 0}, {0, 0.6, 0.8}, 12.0, 0};
+  scene.discs = &tilted;
+  scene.disc_count = 1;
+  assert_true(fabs(lit_area(&scene, 1024) - 3.14159265358979 * 144.0 * 0.8) < 0.1);
+  scene.disc_count = 0;
+  const asc_sphere sphere = {{15.7, 16.2, -20}, 12.0, 0};
+  scene.spheres = &sphere;
+  scene.sphere_count = 1;
+  assert_true(fabs(lit_area(&scene, 1024) - 3.14159265358979 * 144.0) < 0.1);
+}
+
+/* A sphere of radius R at distance d on the axis has a silhouette of tangent R / sqrt(d^2 - R^2). */
+static void perspective_keeps_its_angles(void **state) {
+  (void)state;
+  const asc_material materials[] = {glow(1, 1, 1)};
+  asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(32, 32), .materials = materials};
+  scene.material_count = 1;
+  scene.view.projection = ASC_PERSPECTIVE;
+  scene.view.half_width = scene.view.half_height = 0.5;
+  const asc_sphere sphere = {{16, 16, 10 - 7.0}, 2.0, 0};
+  scene.spheres = &sphere;
+  scene.sphere_count = 1;
+  const double radius = 2.0 / sqrt(45.0) / 0.5 * 16.0;
+  assert_true(fabs(lit_area(&scene, 1024) - 3.14159265358979 * radius * radius) < 0.1);
+}
+
+/* What lies behind an orthographic or a perspective eye is not seen. */
+static void nothing_behind_the_eye_is_seen(void **state) {
+  (void)state;
+  const asc_material materials[] = {glow(1, 1, 1)};
+  asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(8, 8), .materials = materials};
+  scene.material_count = 1;
+  const asc_disc behind = {{4, 4, 11}, {0, 0, 1}, 3.0, 0};
+  scene.discs = &behind;
+  scene.disc_count = 1;
+  assert_true(lit_area(&scene, 4) == 0.0);
+  scene.view.projection = ASC_PERSPECTIVE;
+  assert_true(lit_area(&scene, 4) == 0.0);
+}
+
+/* The pattern's phase is right in double where float has lost it: 10^7 units from the origin, with a phase of up to
+ * 60 radians, each sample equals the formula. The coordinates themselves have 2^-30 there, so the phase 1e-7. */
+static void patterns_are_evaluated_in_double(void **state) {
+  (void)state;
+  enum { W = 16, H = 12 };
+  const double far = 1e7;
+  asc_material materials[] = {glow(1, 1, 1)};
+  materials[0].pattern = (asc_pattern){ASC_PATTERN_ZONE_PLATE, 0.4, {far + 3.3, far + 4.4, 0}, {0.1, 0.2, 0.3},
+                                       {0.9, 0.8, 0.7}};
+  asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(W, H), .materials = materials};
+  scene.material_count = 1;
+  for (int axis = 0; axis < 2; axis++) scene.view.eye[axis] += far;
+  const double a = far - 50, b = far + 50;
+  const double vertices[] = {a, a, 0, b, a, 0, b, b, 0, a, a, 0, b, b, 0, a, b, 0};
+  const uint32_t indices[] = {0, 0};
+  scene.vertices = vertices;
+  scene.triangle_material = indices;
+  scene.triangle_count = 2;
+  float pixels[H][W][3];
+  render(&scene, "regular", 1, 1, &pixels[0][0][0], NULL);
+  for (int y = 0; y < H; y++) {
+    for (int x = 0; x < W; x++) {
+      const double dx = x + 0.5 - 3.3, dy = H - y - 0.5 - 4.4;
+      const double mix = 0.5 * (1.0 + cos(0.4 * (dx * dx + dy * dy)));
+      assert_true(fabs(pixels[y][x][0] - (0.1 + 0.8 * mix)) < 1e-6);
+      assert_true(fabs(pixels[y][x][2] - (0.3 + 0.4 * mix)) < 1e-6);
+    }
+  }
+}
+
+/* 10^6 rays into a closed fan of triangles find no gap along the edges that they share. */
+static void shared_edges_do_not_leak(void **state) {
+  (void)state;
+  enum { SIDES = 61, W = 64 };
+  static double vertices[SIDES * 9];
+  static uint32_t indices[SIDES];
+  for (int i = 0; i < SIDES; i++) {
+    const double a = 6.283185307179586 * i / SIDES, b = 6.283185307179586 * ((i + 1) % SIDES) / SIDES;
+    const double fan[] = {31.3, 32.7, 0, 31.3 + 200 * cos(a), 32.7 + 200 * sin(a), 0,
+                          31.3 + 200 * cos(b), 32.7 + 200 * sin(b), 0};
+    memcpy(vertices + 9 * i, fan, sizeof fan);
+  }
+  const asc_material materials[] = {glow(1, 1, 1)};
+  asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(W, W), .materials = materials};
+  scene.material_count = 1;
+  scene.vertices = vertices;
+  scene.triangle_material = indices;
+  scene.triangle_count = SIDES;
+  static float pixels[W * W * 3];
+  render(&scene, "random", 256, 2, pixels, NULL);
+  for (size_t i = 0; i < W * W * 3; i++) assert_true(pixels[i] == 1.0f);
+}
+
+static void broken_scenes_are_refused(void **state) {
+  (void)state;
+  asc_material materials[] = {glow(1, 1, 1)};
+  double vertices[] = {0, 0, 0, 1, 0, 0, NAN, 1, 0};
+  uint32_t indices[] = {0};
+  asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(8, 8), .materials = materials};
+  scene.material_count = 1;
+  scene.vertices = vertices;
+  scene.triangle_material = indices;
+  scene.triangle_count = 1;
+  tracer *made = NULL;
+  asc_error error = {{0}};
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "triangle 0"));
+  vertices[6] = 0;
+  indices[0] = 3;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "material 3"));
+  indices[0] = 0;
+  materials[0].emission[1] = INFINITY;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  materials[0].emission[1] = 1;
+  scene.view.width = 0;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  scene.view.width = 8;
+  const asc_disc flat = {{0, 0, 0}, {0, 0, 0}, 1, 0};
+  scene.discs = &flat;
+  scene.disc_count = 1;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "disc 0"));
+  scene.struct_size = 1;
+  assert_int_equal(tracer_create(&scene, &made, NULL), ASC_INVALID_ARGUMENT);
+  assert_null(made);
+}
+
+static void an_empty_scene_is_background(void **state) {
+  (void)state;
+  asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(5, 3)};
+  scene.view.background[1] = 0.25;
+  float pixels[15][3];
+  render(&scene, "random", 3, 1, &pixels[0][0], NULL);
+  for (int i = 0; i < 15; i++) assert_true(pixels[i][0] == 0.0f && pixels[i][1] == 0.25f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(pixels_are_where_they_should_be),
+      cmocka_unit_test(threads_do_not_change_a_bit),
+      cmocka_unit_test(discs_and_spheres_have_their_areas),
+      cmocka_unit_test(perspective_keeps_its_angles),
+      cmocka_unit_test(nothing_behind_the_eye_is_seen),
+      cmocka_unit_test(patterns_are_evaluated_in_double),
+      cmocka_unit_test(shared_edges_do_not_leak),
+      cmocka_unit_test(broken_scenes_are_refused),
+      cmocka_unit_test(an_empty_scene_is_background),
+  };
+  return cmocka_run_group_tests_name("tracer", tests, NULL, NULL);
+}

@@ -1,0 +1,76 @@
+"""Specs: their one canonical form, and what they refuse."""
+
+from __future__ import annotations
+
+import pytest
+
+from aliascope.errors import SpecError
+from aliascope.native import samplers
+from aliascope.specs import Form, Key, family, parse
+
+FORMS = {
+    "none": Form("none", "nothing"),
+    "grid": Form(
+        "grid",
+        "for tests",
+        (
+            Key("n", "integer", 16, "count", 1, 100, is_count=True),
+            Key("threshold", "real", 0.1, "t", 0, 1),
+            Key("filter", "choice", "box", "f", choices=("box", "tent")),
+            Key("sampler", "spec", "halton", "s", inner=samplers.canonical),
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    ("text", "canonical"),
+    [
+        ("none", "none"),
+        (" none ", "none"),
+        ("grid", "grid"),
+        ("grid:n=16,threshold=0.1", "grid"),
+        ("grid:threshold=0.10,n=9", "grid:n=9"),
+        ("grid:threshold=0.25,n=9", "grid:n=9,threshold=0.25"),
+        ("grid:threshold=0.1000000001", "grid:threshold=0.1000000001"),
+        ("grid:sampler=halton", "grid"),
+        ("grid:sampler=sobol", "grid:sampler=sobol"),
+        ("grid:sampler.scramble=owen,sampler=sobol", "grid:sampler=sobol,sampler.scramble=owen"),
+        ("grid:sampler=sobol,sampler.scramble=none", "grid:sampler=sobol"),
+        ("grid:sampler.scramble=shift", "grid:sampler=halton,sampler.scramble=shift"),
+    ],
+)
+def test_one_canonical_form(text: str, canonical: str) -> None:
+    spec = parse(text, FORMS, "mode of tests")
+    assert spec.text == canonical
+    assert parse(spec.text, FORMS, "mode of tests") == spec
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("gird", 'unknown mode of tests "gird"; did you mean "grid"?'),
+        ("grid:m=3", 'unknown key "m"; did you mean "n"?|unknown key "m"; known'),
+        ("none:m=3", 'unknown key "m"; it has none'),
+        ("grid:n=0", r"n=0 lies outside \[1, 100\]"),
+        ("grid:n=1.5", "not a whole number"),
+        ("grid:threshold=nan", "outside"),
+        ("grid:threshold=x", "not a number"),
+        ("grid:filter=bocks", "none of box, tent"),
+        ("grid:n", "key=value"),
+        ("grid:n=1,n=2", "twice"),
+        ("grid:", "key=value"),
+        (":n=1", "no name"),
+        ("grid:sampler=sobel", 'unknown sampler "sobel"; did you mean "sobol"'),
+        ("grid:sampler.scrambel=owen", "unknown key"),
+    ],
+)
+def test_refusals(text: str, message: str) -> None:
+    with pytest.raises(SpecError, match=message):
+        parse(text, FORMS, "mode of tests")
+
+
+def test_a_family_leaves_out_the_count_alone() -> None:
+    texts = ("grid:n=4", "grid:n=9,threshold=0.1", "grid:sampler=halton")
+    assert {family(parse(text, FORMS, "m")) for text in texts} == {"grid halton"}
+    assert family(parse("grid:threshold=0.5,sampler=sobol", FORMS, "m")) == "grid sobol threshold=0.5"
