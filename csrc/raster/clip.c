@@ -24,7 +24,8 @@ static double inside_by(const clip_vertex *v, int plane, const clip_volume *volu
 static clip_vertex cut(const clip_vertex *inner, double inner_by, const clip_vertex *outer, double outer_by) {
   double t = inner_by / (inner_by - outer_by);
   clip_vertex v = {inner->x + t * (outer->x - inner->x), inner->y + t * (outer->y - inner->y),
-                   inner->weight + t * (outer->weight - inner->weight), inner->depth + t * (outer->depth - inner->depth)};
+                   inner->weight + t * (outer->weight - inner->weight),
+                   inner->depth + t * (outer->depth - inner->depth)};
   return v;
 }
 
@@ -43,8 +44,7 @@ size_t clip_polygon(clip_vertex polygon[CLIP_CAPACITY], size_t count, const clip
         kept[kept_count++] = *here;
       }
       if ((here_by >= 0.0) != (next_by >= 0.0) && kept_count < CLIP_CAPACITY) {
-        kept[kept_count++] =
-            here_by >= 0.0 ? cut(here, here_by, next, next_by) : cut(next, next_by, here, here_by);
+        kept[kept_count++] = here_by >= 0.0 ? cut(here, here_by, next, next_by) : cut(next, next_by, here, here_by);
       }
     }
     memcpy(polygon, kept, kept_count * sizeof *kept);

@@ -3,7 +3,6 @@
 #include <GL/osmesa.h>
 #include <stdlib.h>
 
-
 struct context {
   OSMesaContext mesa;
   /* OSMesa wants a picture of its own to draw into; all drawing goes to framebuffer objects, so one pixel will do */

@@ -52,9 +52,9 @@ static asc_status ask_positions(void *answer, asc_error *error) {
   if (status != ASC_OK) {
     return status;
   }
-  for (GLuint i = 0; i < MULTISAMPLES; ++i) {
+  for (size_t i = 0; i < MULTISAMPLES; ++i) {
     GLfloat at[2] = {0.0F, 0.0F};
-    glGetMultisamplefv(GL_SAMPLE_POSITION, i, at);
+    glGetMultisamplefv(GL_SAMPLE_POSITION, (GLuint)i, at);
     /* From OpenGL's lower border, which is where the picture has its top. */
     positions[2 * i] = (double)at[0];
     positions[2 * i + 1] = (double)at[1];

@@ -23,7 +23,7 @@ typedef struct builder {
 
 /* Room for the triangles of one more polygon. */
 static bool reserve(builder *b) {
-  const size_t most = 3 * CLIP_CAPACITY;
+  const size_t most = (size_t)3 * CLIP_CAPACITY;
   if (b->capacity - b->count >= most) {
     return true;
   }
@@ -158,9 +158,7 @@ static void add_sphere(builder *b, size_t index) {
 }
 
 static size_t shape_count(const asc_scene *scene, shape what) {
-  return what == SHAPE_TRIANGLE ? scene->triangle_count
-         : what == SHAPE_DISC   ? scene->disc_count
-                                : scene->sphere_count;
+  return what == SHAPE_TRIANGLE ? scene->triangle_count : what == SHAPE_DISC ? scene->disc_count : scene->sphere_count;
 }
 
 static uint32_t shape_material(const asc_scene *scene, shape what, size_t index) {
@@ -228,7 +226,7 @@ static asc_status finish(builder *b, asc_error *error) {
   geometry *made = b->made;
   if (b->count > INT32_MAX) {
     return asc_fail(error, ASC_UNSUPPORTED, "the scene has %zu vertices in the picture: OpenGL draws 2^31 - 1",
-                       b->count);
+                    b->count);
   }
   set_maps(b);
   made->vertices = calloc(b->count + 1, sizeof *made->vertices);

@@ -48,7 +48,7 @@ static asc_status load_storage(GLuint buffer, GLuint binding, const void *bytes,
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
   if ((uint64_t)size > (uint64_t)most) {
     return asc_fail(error, ASC_UNSUPPORTED, "the scene's surfaces take %zu bytes, and this OpenGL has %lld for them",
-                       size, (long long)most);
+                    size, (long long)most);
   }
   glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
   glBufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)size, bytes, GL_STATIC_DRAW);
@@ -251,7 +251,7 @@ static asc_status hand_out(const raster *by, float *pixels, asc_error *error) {
     pixels[i] = (float)by->sum[i];
     if (!isfinite(pixels[i])) {
       return asc_fail(error, ASC_NUMERIC, "pixel (%zu, %zu) is not finite: a colour is too large for float",
-                         i / 3 % by->width, i / 3 / by->width);
+                      i / 3 % by->width, i / 3 / by->width);
     }
   }
   return ASC_OK;
@@ -271,7 +271,7 @@ static asc_status check_desc(const raster_desc *desc, asc_error *error) {
     const double *o = desc->offsets + 2 * i;
     if (!(o[0] >= 0.0 && o[0] < 1.0 && o[1] >= 0.0 && o[1] < 1.0)) {
       return asc_fail(error, ASC_INVALID_ARGUMENT, "pass %zu has the offset (%g, %g): both lie in [0, 1)", i, o[0],
-                         o[1]);
+                      o[1]);
     }
     if (!isfinite(desc->weights[i])) {
       return asc_fail(error, ASC_INVALID_ARGUMENT, "pass %zu has a weight that is not finite", i);

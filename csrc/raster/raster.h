@@ -33,7 +33,7 @@ typedef struct raster_desc {
 } raster_desc;
 
 typedef struct raster_cost {
-  uint64_t samples; /* all of them: passes x samples_per_pass x pixels */
+  uint64_t samples;                 /* all of them: passes x samples_per_pass x pixels */
   double cpu_seconds, wall_seconds; /* drawing, reading back and summing; without making context, shaders, buffers */
 } raster_cost;
 

@@ -13,18 +13,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-
 /* The sources stay below 4095 characters each, the longest literal that C11 promises. */
 static const char version_line[] = "#version 450 core\n";
 
-static const char blocks[] =
-    "struct Surface { dvec4 form; dvec4 plane; uint material; };\n"
-    "struct Material { dvec4 origin_scale; vec4 emission; vec4 low; vec4 high; };\n"
-    "layout(std430, binding = 0) readonly buffer Surfaces { Surface surfaces[]; };\n"
-    "layout(std430, binding = 1) readonly buffer Materials { Material materials[]; };\n"
-    "layout(std140, binding = 0) uniform Pass {\n"
-    "  dvec2 scale; dvec2 base; dvec2 depth; dvec2 shift; vec2 move;\n"
-    "};\n";
+static const char blocks[] = "struct Surface { dvec4 form; dvec4 plane; uint material; };\n"
+                             "struct Material { dvec4 origin_scale; vec4 emission; vec4 low; vec4 high; };\n"
+                             "layout(std430, binding = 0) readonly buffer Surfaces { Surface surfaces[]; };\n"
+                             "layout(std430, binding = 1) readonly buffer Materials { Material materials[]; };\n"
+                             "layout(std140, binding = 0) uniform Pass {\n"
+                             "  dvec2 scale; dvec2 base; dvec2 depth; dvec2 shift; vec2 move;\n"
+                             "};\n";
 
 static const char vertex_source[] = "layout(location = 0) in vec3 position;\n"
                                     "layout(location = 1) in uint surface;\n"

@@ -1,6 +1,5 @@
 #include "target.h"
 
-
 static GLuint attach(GLenum where, GLenum format, uint32_t width, uint32_t height, uint32_t samples) {
   GLuint buffer = 0;
   glGenRenderbuffers(1, &buffer);
@@ -34,7 +33,7 @@ asc_status target_create(uint32_t width, uint32_t height, uint32_t samples, int 
   if (state != GL_FRAMEBUFFER_COMPLETE || problem != GL_NO_ERROR) {
     target_destroy(&fresh);
     return asc_fail(error, ASC_OUT_OF_MEMORY, "OpenGL makes no framebuffer of %u x %u pixels, %u samples (0x%x, 0x%x)",
-                       width, height, samples, (unsigned)state, (unsigned)problem);
+                    width, height, samples, (unsigned)state, (unsigned)problem);
   }
   *made = fresh;
   return ASC_OK;

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdbool.h>
 
-
 static bool usable(const double *numbers, size_t count) {
   for (size_t i = 0; i < count; ++i) {
     if (!(fabs(numbers[i]) <= RASTER_LARGEST_NUMBER)) { /* a NaN compares false */
@@ -16,8 +15,7 @@ static bool usable(const double *numbers, size_t count) {
 static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 static asc_status bad_number(asc_error *error, const char *what, size_t index) {
-  return asc_fail(error, ASC_INVALID_ARGUMENT, "%s %zu has a number that is not finite or is beyond 1e30", what,
-                     index);
+  return asc_fail(error, ASC_INVALID_ARGUMENT, "%s %zu has a number that is not finite or is beyond 1e30", what, index);
 }
 
 static asc_status check_frame(const asc_view *view, asc_error *error) {
@@ -39,7 +37,7 @@ static asc_status check_view(const asc_view *view, asc_error *error) {
   }
   if (view->width < 1 || view->height < 1 || view->width > RASTER_LARGEST_SIDE || view->height > RASTER_LARGEST_SIDE) {
     return asc_fail(error, ASC_INVALID_ARGUMENT, "a picture of %u x %u pixels: each side is 1 to %u", view->width,
-                       view->height, RASTER_LARGEST_SIDE);
+                    view->height, RASTER_LARGEST_SIDE);
   }
   if (!usable(view->eye, 3) || !usable(view->background, 3)) {
     return asc_fail(error, ASC_INVALID_ARGUMENT, "the view's eye or background is not finite or is beyond 1e30");
@@ -74,7 +72,7 @@ static asc_status check_material_index(const asc_scene *scene, const char *what,
                                        asc_error *error) {
   if (material >= scene->material_count) {
     return asc_fail(error, ASC_INVALID_ARGUMENT, "%s %zu names material %u, and there are %zu", what, index, material,
-                       scene->material_count);
+                    scene->material_count);
   }
   return ASC_OK;
 }

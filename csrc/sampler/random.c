@@ -31,9 +31,9 @@ static asc_status random_fill(const void *opaque, const asc_range *range, double
       for (uint32_t half = 0; half < 2; half++) {
         const uint32_t dimension = 2 * pair + half;
         if (dimension < begin || dimension >= end) continue;
+        const uint32_t *high = bits.word[half ? 2 : 0], *low = bits.word[half ? 3 : 1];
         double *column = points + done * range->dimension_count + (dimension - begin);
-        for (size_t i = 0; i < lanes; i++)
-          column[i * range->dimension_count] = asc_unit53(bits.word[2 * half][i], bits.word[2 * half + 1][i]);
+        for (size_t i = 0; i < lanes; i++) column[i * range->dimension_count] = asc_unit53(high[i], low[i]);
       }
     }
   }

@@ -172,13 +172,13 @@ static asc_status register_table(const asc_sampler_interface *table, const char 
 asc_status asc_plugin_load(const char *path, asc_error *error) {
   if (!path) return asc_fail(error, ASC_INVALID_ARGUMENT, "asc_plugin_load: no path");
   void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+  /* NOLINTNEXTLINE(concurrency-mt-unsafe): plugins are loaded before threads, as plugin.h says */
   if (!library) return asc_fail(error, ASC_PLUGIN, "%s: cannot be loaded: %s", path, dlerror());
   asc_plugin_interface_function function = NULL;
   void *symbol = dlsym(library, "asc_plugin_interface");
   memcpy(&function, &symbol, sizeof function); /* ISO C has no cast from object to function pointer */
-  asc_status status = function
-                          ? register_table(function(ASC_ABI_VERSION, ASC_SAMPLER_INTERFACE_ID), path, error)
-                          : asc_fail(error, ASC_PLUGIN, "%s: exports no asc_plugin_interface", path);
+  asc_status status = function ? register_table(function(ASC_ABI_VERSION, ASC_SAMPLER_INTERFACE_ID), path, error)
+                               : asc_fail(error, ASC_PLUGIN, "%s: exports no asc_plugin_interface", path);
   if (status) (void)dlclose(library);
   return status;
 }

@@ -20,7 +20,7 @@ static void to_camera(const asc_view *view, const double world[3], double camera
 static asc_status check_view(const asc_view *view, asc_error *error) {
   if (view->width < 1 || view->height < 1 || view->width > 16384 || view->height > 16384)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "a picture has 1 to 16384 pixels a side, not %u x %u", view->width,
-                       view->height);
+                    view->height);
   if (!finite3(view->eye) || !finite3(view->right) || !finite3(view->up) || !finite3(view->forward) ||
       !finite3(view->background) || !(view->half_width > 0.0) || !(view->half_height > 0.0) ||
       !isfinite(view->half_width) || !isfinite(view->half_height))
@@ -58,8 +58,7 @@ static asc_status take_indices(tracer *made, int kind, const void *first, size_t
     uint32_t index;
     memcpy(&index, (const char *)first + i * stride, sizeof index);
     if (index >= made->material_count)
-      return asc_fail(error, ASC_INVALID_ARGUMENT, "a surface names material %u of %zu", index,
-                         made->material_count);
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "a surface names material %u of %zu", index, made->material_count);
     made->material_of[kind][i] = index;
   }
   return ASC_OK;
@@ -199,7 +198,7 @@ asc_status tracer_take_geometry(tracer *made, const asc_scene *scene, asc_error 
   const enum RTCError failed = rtcGetDeviceError(made->device);
   if (failed != RTC_ERROR_NONE)
     return asc_fail(error, failed == RTC_ERROR_OUT_OF_MEMORY ? ASC_OUT_OF_MEMORY : ASC_UNAVAILABLE,
-                       "Embree could not build the scene (its error %d)", (int)failed);
+                    "Embree could not build the scene (its error %d)", (int)failed);
   return ASC_OK;
 }
 

@@ -10,7 +10,8 @@
 void shade_pattern(const tracer *made, uint32_t geometry, uint32_t primitive, double sample_x, double sample_y,
                    const asc_material *material, double radiance[3]);
 
-/* Linear RGB: a constant of the scene, or `patterned` after writing it. (sample_x, sample_y): in the picture, pixels. */
+/* Linear RGB: a constant of the scene, or `patterned` after writing it. (sample_x, sample_y): in the picture, pixels.
+ */
 static inline const double *shade(const tracer *made, uint32_t geometry, uint32_t primitive, double sample_x,
                                   double sample_y, double patterned[3]) {
   if (geometry == RTC_INVALID_GEOMETRY_ID) return made->view.background;

@@ -19,16 +19,16 @@ ASC_API void tracer_destroy(tracer *made);
 
 typedef struct tracer_desc {
   size_t struct_size;
-  const asc_sampler *sampler;  /* its N is the number of samples a pixel; at least 2 dimensions; not owned */
-  uint32_t threads;            /* 0: 1 */
+  const asc_sampler *sampler; /* its N is the number of samples a pixel; at least 2 dimensions; not owned */
+  uint32_t threads;           /* 0: 1 */
 } tracer_desc;
 
 typedef struct tracer_cost {
-  uint64_t samples;            /* all of them */
+  uint64_t samples; /* all of them */
   uint64_t primary_rays;
-  double cpu_seconds;          /* of the rendering threads together, without the build */
+  double cpu_seconds; /* of the rendering threads together, without the build */
   double wall_seconds;
-  double build_cpu_seconds;    /* of the acceleration structure */
+  double build_cpu_seconds; /* of the acceleration structure */
 } tracer_cost;
 
 /* Renders into `pixels`, [height][width][3] float, linear RGB: the box filter's mean over each pixel, summed in double

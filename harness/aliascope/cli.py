@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
 import shlex
+import signal
 import sys
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any
 
 import typer
 
@@ -100,6 +100,7 @@ def points(
         values = np.concatenate(list(rows()))
         _print_json({"sampler": made.spec, "n": n, "d": d, "seed": seed, "points": values.tolist()})
     elif out is None:
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # a reader that has enough, as `| head`, ends us without a word
         for values in rows():
             np.savetxt(sys.stdout, values, fmt="%.17g", delimiter=",")
     else:
@@ -219,7 +220,9 @@ def reference(
 
 @app.command(epilog="Example: aliascope compare edge discs -r embree -r povray --profile quick -o results")
 def compare(
-    scenes: Annotated[list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, TOML files.")] = None,
+    scenes: Annotated[
+        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, TOML files.")
+    ] = None,
     renderer: Annotated[list[str] | None, typer.Option("-r", help="Renderer; may stand several times.")] = None,
     mode: Annotated[
         list[str] | None, typer.Option("-m", help="Mode, or a pattern of the profile's; may stand several times.")
@@ -239,8 +242,6 @@ def compare(
 
     Pictures that the folder already has are not rendered again.
     """
-    from aliascope.pipeline import Options
-    from aliascope.studies import compare as study
     from aliascope.studies import selection
 
     if resume and not (out / "results.sqlite").is_file():
@@ -249,6 +250,8 @@ def compare(
     if dry_run:
         _dry_run(plan, as_json)
         return
+    from aliascope.pipeline import Options
+    from aliascope.studies import compare as study
     from aliascope.studies.progress import progress_bar
 
     command = shlex.join(["aliascope", *sys.argv[1:]])
@@ -279,16 +282,12 @@ def _dry_run(plan: Any, as_json: bool) -> None:
 # --- errors -----------------------------------------------------------------------------------------------------------
 
 
-def main() -> NoReturn:
-    """Runs a command; ends with the exit code that DESIGN.md's table gives."""
+def main() -> None:
+    """Runs a command; ends with the exit code of the error's class, 2 for a command line that can't be read."""
     try:
         app()
     except AliascopeError as problem:
         sys.exit(_complain(str(problem), problem.exit_code))
-    except BrokenPipeError:
-        # The reader of our output has gone, as in `aliascope points ... | head`.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(0)
     except OSError as problem:
         sys.exit(_complain(str(problem), NotWritable.exit_code))
 

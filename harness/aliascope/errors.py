@@ -50,6 +50,12 @@ class NotWritable(AliascopeError):
     """A file or folder of results could not be written."""
 
 
+class Interrupted(AliascopeError):
+    """The user asked to stop."""
+
+    exit_code = 130
+
+
 def near_misses(word: str, known: Iterable[str]) -> str:
     """The tail of an error about an unknown word: `; did you mean "x"?`, or the list of what is known."""
     names = sorted(known)

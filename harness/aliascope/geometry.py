@@ -40,7 +40,7 @@ class Frame:
 
 
 def frame_of(scene: Scene, size: tuple[int, int] | None = None) -> Frame:
-    """The frame of a scene's camera. Another `size` keeps the vertical extent; the horizontal one follows the aspect."""
+    """The frame of a scene's camera. Another `size` keeps the vertical extent; the horizontal follows the aspect."""
     width, height = size or scene.view.size
     camera = scene.camera
     eye = np.array(camera.eye)

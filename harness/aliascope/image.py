@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio  # noqa: N813  # the name that its own documentation uses
+import OpenImageIO as oiio  # the name that its own documentation uses
 
 from aliascope.errors import InvalidInput, NotWritable
 from aliascope.records import Pixels

@@ -201,9 +201,7 @@ class SphereLight(Light):
     radius: Positive
 
 
-AnyLight = Annotated[
-    PointLight | DirectionalLight | AreaLight | DiscLight | SphereLight, Field(discriminator="type")
-]
+AnyLight = Annotated[PointLight | DirectionalLight | AreaLight | DiscLight | SphereLight, Field(discriminator="type")]
 
 
 class Scene(Part):
@@ -217,7 +215,7 @@ class Scene(Part):
 
     def features(self) -> frozenset[str]:
         """What the scene asks of a renderer, read off its contents: "disc", "zone-plate", "lens", "point light"..."""
-        found = {self.camera.type}
+        found: set[str] = {self.camera.type}
         if self.camera.lens_radius:
             found.add("lens")
         if any(surface.motion for surface in self.surfaces):

@@ -8,13 +8,12 @@ import multiprocessing
 import signal
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from pebble import ProcessExpired, ProcessPool
+from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
 from aliascope import image, metrics, places, plan, renderers
 from aliascope.errors import AliascopeError, JobFailed, NotAvailable
@@ -173,7 +172,7 @@ def _pool(processes: int) -> Iterator[ProcessPool]:
         pool.join()
 
 
-def _result(future: Future[Timed], options: Options) -> Timed:
+def _result(future: ProcessFuture[Timed], options: Options) -> Timed:
     try:
         return future.result()
     except FutureTimeout as error:
@@ -258,9 +257,7 @@ def execute(
     options: Options,
     progress: Progress,
 ) -> tuple[dict[str, Outcome], int]:
-    """Renders what the store does not have. Returns the outcomes by key, and how many of them were there already.
-
-    """
+    """Renders what the store does not have. Returns the outcomes by key, and how many of them were there already."""
     outcomes = {
         key: outcome
         for key, outcome in store.done(job.key for job in plan.jobs).items()
@@ -272,7 +269,7 @@ def execute(
         return outcomes, reused
     keeper = Keeper(folder, store, references, plan)
     with _pool(options.processes) as pool:
-        waiting: list[tuple[Job, Future[Timed], float]] = []
+        waiting: list[tuple[Job, ProcessFuture[Timed], float]] = []
         limit = options.time_limit + GRACE_SECONDS
         for job in [*todo, *[None] * options.processes]:
             if job is not None:

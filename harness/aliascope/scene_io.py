@@ -133,7 +133,7 @@ def _tagged() -> dict[str, type[Part]]:
     classes: list[type[Part]] = list(Part.__subclasses__())
     for each in classes:
         classes.extend(each.__subclasses__())
-    sections = {"view": model.View, "camera": model.Camera, "materials": model.Material}
+    sections: dict[str, type[Part]] = {"view": model.View, "camera": model.Camera, "materials": model.Material}
     tags = {
         tag: each
         for each in classes

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.stats
 
 from aliascope.records import Estimate
 
@@ -46,6 +45,8 @@ def rate(counts: Sequence[float], errors: Sequence[float]) -> Rate | None:
     pairs = [(math.log(n), math.log(e)) for n, e in zip(counts, errors, strict=True) if n > 0 and e > 0]
     if len({n for n, _ in pairs}) < 3:
         return None
+    from scipy.stats import linregress  # takes a second to load, and most commands fit nothing
+
     x, y = np.array(pairs).T
-    fit = scipy.stats.linregress(x, y)
+    fit = linregress(x, y)
     return Rate(float(fit.slope), float(fit.stderr), math.exp(float(fit.intercept)))

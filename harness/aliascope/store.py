@@ -99,12 +99,10 @@ class Store:
     def put(self, outcome: Outcome) -> None:
         """Keeps an outcome, in place of an earlier one of the same job."""
         job, cost = outcome.job, outcome.cost
-        figures = (
-            (cost.samples, cost.samples_per_pixel, json.dumps(dict(cost.rays)))
-            + (cost.cpu_seconds, cost.wall_seconds, cost.repeats)
-            if cost
-            else (None,) * 6
-        )
+        figures: tuple[object, ...] = (None,) * 6
+        if cost is not None:
+            rays = json.dumps(dict(cost.rays))
+            figures = (cost.samples, cost.samples_per_pixel, rays, cost.cpu_seconds, cost.wall_seconds, cost.repeats)
         row = (
             *(job.key, self._run, job.scene, job.scene_path, job.renderer, job.mode, job.width, job.height, job.seed),
             *(outcome.status, outcome.message, *figures),
@@ -129,7 +127,7 @@ class Store:
             row = self._database.execute("SELECT * FROM job WHERE key = ? AND status = 'done'", (key,)).fetchone()
             if row is not None:
                 metrics = self._database.execute("SELECT name, value FROM metric WHERE key = ?", (key,))
-                found[key] = _outcome(row, {name: value for name, value in metrics})
+                found[key] = _outcome(row, dict(metrics))
         return found
 
 

@@ -303,33 +303,40 @@ static void test_areas_of_discs(void **state) {
       stage *s = new_stage(ASC_ORTHOGRAPHIC);
       add_disc(s, 7.317, 5.831, radii[i], add_material(s, 1.0, 1.0, 1.0));
       const double area = 3.14159265358979 * radii[i] * radii[i];
-      /* R2 of 4,096 points misses a convex area by about N^-3/4 of its perimeter's length, .002 of it; 2.5 times that. */
+      /* R2 of 4,096 points misses a convex area by about N^-3/4 of its perimeter's length, .002 of it; 2.5 times that.
+       */
       assert_true(fabs(mean_area(s, samples, MOST_PASSES, 0) - area) <= 0.005 * 6.2831853 * radii[i]);
     }
   }
 }
 
-/* Each sample of the picture against the outline itself: wrong nowhere but within a millionth of a pixel of it. */
+/* Whether the picture position (px, py) is on the surface, by a pass that samples just there. */
+static bool is_seen(raster *made, double px, double py) {
+  const double offset[2] = {px - floor(px), py - floor(py)};
+  float pixels[3 * PIXELS];
+  render(made, 1, offset, one, 1, pixels);
+  return red(pixels, (int)px, (int)py) == 1.0;
+}
+
+enum { DIRECTIONS = 41 };
+
+/* On both sides of the outline, a hundred-thousandth of the radius apart from it. */
 static void test_the_outline_of_a_disc_is_exact(void **state) {
   (void)state;
-  double passes[64][2];
-  double weights[64];
-  fill_passes(64, &passes[0][0], weights);
-  stage *s = new_stage(ASC_ORTHOGRAPHIC);
-  add_disc(s, 7.317, 5.831, 4.7, add_material(s, 1.0, 1.0, 1.0));
-  raster *made = made_of(s);
-  float pixels[3 * PIXELS];
-  for (int pass = 0; pass < 64; ++pass) {
-    render(made, 1, passes[pass], one, 1, pixels);
-    for (int i = 0; i < PIXELS; ++i) {
-      const double x = i % WIDTH + passes[pass][0];
-      const double y = i / WIDTH + passes[pass][1];
-      const double outside = hypot(x - 7.317, y - 5.831) - 4.7;
-      assert_true(fabs(outside) < 1e-6 || (outside < 0.0) == (pixels[3 * i] == 1.0F));
+  static const double radii[2] = {0.25, 4.7};
+  for (int i = 0; i < 2; ++i) {
+    stage *s = new_stage(ASC_ORTHOGRAPHIC);
+    add_disc(s, 7.317, 5.831, radii[i], add_material(s, 1.0, 1.0, 1.0));
+    raster *made = made_of(s);
+    free(s);
+    for (int k = 0; k < DIRECTIONS; ++k) {
+      const double x = radii[i] * cos(6.2831853 * k / DIRECTIONS);
+      const double y = radii[i] * sin(6.2831853 * k / DIRECTIONS);
+      assert_true(is_seen(made, 7.317 + 0.99999 * x, 5.831 + 0.99999 * y));
+      assert_false(is_seen(made, 7.317 + 1.00001 * x, 5.831 + 1.00001 * y));
     }
+    raster_destroy(made);
   }
-  raster_destroy(made);
-  free(s);
 }
 
 /* The ray through picture position (px, py) of the perspective stage. */
@@ -339,34 +346,38 @@ static void ray_through(double px, double py, double direction[3]) {
   direction[2] = -1.0;
 }
 
-/* Of a sphere far from the axis, whose outline is an ellipse that none of its great circles draws. */
+/* The picture position of a point of the circle in which the cone from the eye touches a sphere around `c`. */
+static void touching(const double c[3], double radius, double angle, double position[2]) {
+  const double square = c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
+  const double across[3] = {c[2] / hypot(c[0], c[2]), 0.0, -c[0] / hypot(c[0], c[2])};
+  const double upward[3] = {c[1] * across[2], c[2] * across[0] - c[0] * across[2], -c[1] * across[0]};
+  const double ring = radius * sqrt(1.0 - radius * radius / square);
+  double p[3];
+  for (int i = 0; i < 3; ++i) {
+    p[i] = c[i] * (1.0 - radius * radius / square) +
+           ring * (cos(angle) * across[i] + sin(angle) * upward[i] / sqrt(square));
+  }
+  position[0] = 0.5 * WIDTH * (1.0 + p[0] / -p[2] / (0.5 * WIDTH / HEIGHT));
+  position[1] = 0.5 * HEIGHT * (1.0 - p[1] / -p[2] / 0.5);
+}
+
+/* Of a sphere away from the axis, whose outline is an ellipse that none of its great circles draws. */
 static void test_the_outline_of_a_sphere_in_perspective_is_exact(void **state) {
   (void)state;
-  double passes[64][2];
-  double weights[64];
-  fill_passes(64, &passes[0][0], weights);
   stage *s = new_stage(ASC_PERSPECTIVE);
-  const double centre[3] = {1.13, 0.71, -3.0}; /* from the eye */
+  const double centre[3] = {0.63, -0.21, -3.0}; /* from the eye */
   add_sphere(s, centre[0], centre[1], 10.0 + centre[2], 0.83, add_material(s, 1.0, 1.0, 1.0));
   raster *made = made_of(s);
-  float pixels[3 * PIXELS];
-  int seen = 0;
-  for (int pass = 0; pass < 64; ++pass) {
-    render(made, 1, passes[pass], one, 1, pixels);
-    for (int i = 0; i < PIXELS; ++i) {
-      double d[3];
-      ray_through(i % WIDTH + passes[pass][0], i / WIDTH + passes[pass][1], d);
-      const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-      const double t = (d[0] * centre[0] + d[1] * centre[1] + d[2] * centre[2]) / square;
-      const double miss = sqrt(pow(t * d[0] - centre[0], 2) + pow(t * d[1] - centre[1], 2) + pow(t * d[2] - centre[2], 2));
-      /* 1e-6 of a length where a pixel is 3 / 14 */
-      assert_true(fabs(miss - 0.83) < 1e-6 || (miss < 0.83) == (pixels[3 * i] == 1.0F));
-      seen += pixels[3 * i] == 1.0F;
-    }
-  }
-  assert_in_range(seen, 64 * 20, 64 * 80); /* the outline is in the picture: about 48 pixels */
-  raster_destroy(made);
   free(s);
+  for (int k = 0; k < DIRECTIONS; ++k) {
+    double inner[2];
+    double outer[2];
+    touching(centre, 0.83 * 0.99999, 6.2831853 * k / DIRECTIONS, inner);
+    touching(centre, 0.83 * 1.00001, 6.2831853 * k / DIRECTIONS, outer);
+    assert_true(is_seen(made, inner[0], inner[1]));
+    assert_false(is_seen(made, outer[0], outer[1]));
+  }
+  raster_destroy(made);
 }
 
 static void test_a_sphere_is_seen_from_inside_and_not_from_behind(void **state) {
@@ -391,32 +402,61 @@ static void test_a_sphere_is_seen_from_inside_and_not_from_behind(void **state) 
   }
 }
 
+/* Surfaces that the plane of the eye cuts are seen from there on. */
+static void test_what_reaches_behind_the_eye_is_cut(void **state) {
+  (void)state;
+  float pixels[3 * PIXELS];
+  stage *s = new_stage(ASC_ORTHOGRAPHIC);
+  const asc_disc slope = {{0.0, 0.0, 10.0}, {1.0, 0.0, 1.0}, 50.0, add_material(s, 1.0, 1.0, 1.0)};
+  s->discs[s->scene.disc_count++] = slope; /* before the eye to the right of the middle */
+  render_once(s, 1, unmoved, pixels);
+  assert_true(red_sum(pixels) == 0.5 * PIXELS && red(pixels, 10, 0) == 1.0 && red(pixels, 9, 0) == 0.0);
+
+  s = new_stage(ASC_ORTHOGRAPHIC);
+  add_sphere(s, 0.1, 0.2, 12.0, 3.0, add_material(s, 1.0, 1.0, 1.0));
+  render_once(s, 1, unmoved, pixels);
+  for (int i = 0; i < PIXELS; ++i) {
+    const double distance = hypot(i % WIDTH + 0.5 - 10.1, i / WIDTH + 0.5 - 6.8);
+    assert_true((pixels[3 * i] == 1.0F) == (distance < sqrt(5.0))); /* 3^2 - 2^2 */
+  }
+
+  s = new_stage(ASC_PERSPECTIVE);
+  /* 2 x - z' = 1, z' the depth: rays that go by more than 1/2 to the right meet it, those beyond pixel 17 */
+  const asc_disc wall = {{0.5, 0.0, 10.0}, {2.0, 0.0, 1.0}, 1000.0, add_material(s, 1.0, 1.0, 1.0)};
+  s->discs[s->scene.disc_count++] = wall;
+  render_once(s, 1, unmoved, pixels);
+  assert_true(red_sum(pixels) == 3.0 * HEIGHT && red(pixels, 17, 0) == 1.0);
+}
+
 /* --- depth ------------------------------------------------------------------------------------------------------- */
 
-/* Nearest first and nearest last: shapes of every kind, each nearer than the one before, the picture's middle. */
+/* Four surfaces that fill the middle of the picture, one of them nearer to the eye by a five-thousandth. */
+static void check_nearest(asc_projection projection, int nearest, uint32_t samples) {
+  stage *s = new_stage(projection);
+  double z[4] = {5.0, 5.0, 5.0, 5.0};
+  z[nearest] += 1e-3;
+  for (int i = 0; i < 4; ++i) {
+    add_material(s, i == nearest ? 1.0 : 0.0, 0.0, 0.0);
+  }
+  const double quad[4][2] = {{-15.0, -15.0}, {40.0, -15.0}, {40.0, 30.0}, {-15.0, 30.0}};
+  add_quad(s, quad, z[0], 0);
+  add_quad(s, quad, z[1], 1);
+  add_disc(s, 10.0, 7.0, 30.0, 2);
+  s->discs[0].centre[2] = z[2];
+  /* Its pole is where the ray through the centre of pixel (10, 7) passes. */
+  const double off = projection == ASC_PERSPECTIVE ? (10.0 - z[3]) / 28.0 : 0.5;
+  add_sphere(s, off, -off, z[3] - 300.0, 300.0, 3);
+  float pixels[3 * PIXELS];
+  render_once(s, samples, unmoved, pixels);
+  assert_true(red(pixels, 10, 7) == 1.0);
+}
+
 static void test_the_nearest_is_seen(void **state) {
   (void)state;
   for (int nearest = 0; nearest < 4; ++nearest) {
     for (uint32_t samples = 1; samples <= 4; samples += 3) {
-      stage *s = new_stage(ASC_ORTHOGRAPHIC);
-      for (int i = 0; i < 4; ++i) {
-        add_material(s, i == nearest ? 1.0 : 0.0, 0.0, 0.0);
-      }
-      /* 1e-4 of the depth of the scene before the others. */
-      double z[4] = {5.0, 5.0, 5.0, 5.0};
-      z[nearest] += 1e-3;
-      const double quad[4][2] = {{-5.0, -5.0}, {40.0, -5.0}, {40.0, 30.0}, {-5.0, 30.0}};
-      add_quad(s, quad, z[0], 0);
-      add_quad(s, quad, z[1], 1);
-      add_disc(s, 10.0, 7.0, 30.0, 2);
-      s->discs[0].centre[2] = z[2];
-      add_sphere(s, 0.5, -0.5, z[3] - 3.0, 3.0, 3); /* its pole is at the centre of pixel (10, 7) */
-      float pixels[3 * PIXELS];
-      render_once(s, samples, unmoved, pixels);
-      /* The sphere falls off from its pole by half of the square of .5 / 3 of its radius within the pixel. */
-      if (nearest < 3 || samples == 1) {
-        assert_true(red(pixels, 10, 7) == 1.0);
-      }
+      check_nearest(ASC_ORTHOGRAPHIC, nearest, samples);
+      check_nearest(ASC_PERSPECTIVE, nearest, samples);
     }
   }
 }
@@ -558,7 +598,8 @@ static void test_bad_scenes_are_refused(void **state) {
   REFUSED(s->scene.vertices = NULL, "NULL");
   REFUSED(s->materials[0].emission[0] = (double)NAN, "material 0");
   REFUSED(s->materials[0].pattern.kind = (asc_pattern_kind)7, "pattern");
-  REFUSED((s->materials[0].pattern.kind = ASC_PATTERN_ZONE_PLATE, s->materials[0].pattern.scale = (double)NAN), "material 0");
+  REFUSED((s->materials[0].pattern.kind = ASC_PATTERN_ZONE_PLATE, s->materials[0].pattern.scale = (double)NAN),
+          "material 0");
   REFUSED(s->discs[0].radius = 0.0, "disc 0");
   REFUSED(s->discs[0].normal[2] = 0.0, "disc 0");
   REFUSED(s->discs[0].material = 9, "disc 0 names material 9");
@@ -634,6 +675,7 @@ int main(void) {
       cmocka_unit_test(test_the_outline_of_a_disc_is_exact),
       cmocka_unit_test(test_the_outline_of_a_sphere_in_perspective_is_exact),
       cmocka_unit_test(test_a_sphere_is_seen_from_inside_and_not_from_behind),
+      cmocka_unit_test(test_what_reaches_behind_the_eye_is_cut),
       cmocka_unit_test(test_the_nearest_is_seen),
       cmocka_unit_test(test_a_wall_stands_in_a_floor),
       cmocka_unit_test(test_a_zone_plate_follows_its_formula),

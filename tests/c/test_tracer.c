@@ -166,8 +166,8 @@ static void patterns_are_evaluated_in_double(void **state) {
   enum { W = 16, H = 12 };
   const double far = 1e7;
   asc_material materials[] = {glow(1, 1, 1)};
-  materials[0].pattern = (asc_pattern){ASC_PATTERN_ZONE_PLATE, 0.4, {far + 3.3, far + 4.4, 0}, {0.1, 0.2, 0.3},
-                                       {0.9, 0.8, 0.7}};
+  materials[0].pattern =
+      (asc_pattern){ASC_PATTERN_ZONE_PLATE, 0.4, {far + 3.3, far + 4.4, 0}, {0.1, 0.2, 0.3}, {0.9, 0.8, 0.7}};
   asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(W, H), .materials = materials};
   scene.material_count = 1;
   for (int axis = 0; axis < 2; axis++) scene.view.eye[axis] += far;
@@ -197,8 +197,8 @@ static void shared_edges_do_not_leak(void **state) {
   static uint32_t indices[SIDES];
   for (int i = 0; i < SIDES; i++) {
     const double a = 6.283185307179586 * i / SIDES, b = 6.283185307179586 * ((i + 1) % SIDES) / SIDES;
-    const double fan[] = {31.3, 32.7, 0, 31.3 + 200 * cos(a), 32.7 + 200 * sin(a), 0,
-                          31.3 + 200 * cos(b), 32.7 + 200 * sin(b), 0};
+    const double fan[] = {
+        31.3, 32.7, 0, 31.3 + 200 * cos(a), 32.7 + 200 * sin(a), 0, 31.3 + 200 * cos(b), 32.7 + 200 * sin(b), 0};
     memcpy(vertices + 9 * i, fan, sizeof fan);
   }
   const asc_material materials[] = {glow(1, 1, 1)};
@@ -258,14 +258,10 @@ static void an_empty_scene_is_background(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(pixels_are_where_they_should_be),
-      cmocka_unit_test(threads_do_not_change_a_bit),
-      cmocka_unit_test(discs_and_spheres_have_their_areas),
-      cmocka_unit_test(perspective_keeps_its_angles),
-      cmocka_unit_test(nothing_behind_the_eye_is_seen),
-      cmocka_unit_test(patterns_are_evaluated_in_double),
-      cmocka_unit_test(shared_edges_do_not_leak),
-      cmocka_unit_test(broken_scenes_are_refused),
+      cmocka_unit_test(pixels_are_where_they_should_be),    cmocka_unit_test(threads_do_not_change_a_bit),
+      cmocka_unit_test(discs_and_spheres_have_their_areas), cmocka_unit_test(perspective_keeps_its_angles),
+      cmocka_unit_test(nothing_behind_the_eye_is_seen),     cmocka_unit_test(patterns_are_evaluated_in_double),
+      cmocka_unit_test(shared_edges_do_not_leak),           cmocka_unit_test(broken_scenes_are_refused),
       cmocka_unit_test(an_empty_scene_is_background),
   };
   return cmocka_run_group_tests_name("tracer", tests, NULL, NULL);

@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO as oiio  # noqa: N813  # the name that its own documentation uses
+import OpenImageIO as oiio  # the name that its own documentation uses
 
 STATISTICS = """
 Pixels:               64   Samples:               0   Smpls/Pxl: 0.00

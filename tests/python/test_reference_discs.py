@@ -74,6 +74,7 @@ CIRCLES = {
     "huge": Circle(-70000.25, 50000.5, 86026.3),
     "huge, flat": Circle(6.25, -99999.5, 100004.1),
     "huge, tangent to a row": Circle(6.25, -99995.5, 100000.5),
+    "huge, past a power of two": Circle(-51.3, -65530.3, 65536.4),
     "enormous": Circle(-7e7 + 0.3, 5.2, 7e7 + 5.1),
 }
 

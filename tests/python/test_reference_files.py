@@ -111,6 +111,13 @@ def test_a_file_that_was_moved_to_another_size_is_refused(folder: Path) -> None:
             use(folder, "square", SCENE, (9, 12), "box")
 
 
+def test_a_file_that_was_moved_to_another_filter_is_refused(folder: Path) -> None:
+    (folder / "square" / "12x9-box.exr").rename(folder / "square" / "12x9-mitchell.exr")
+    for use in (files.load, files.verify):
+        with pytest.raises(CheckFailed, match="says 12x9, filter box"):
+            use(folder, "square", SCENE, SIZE, "mitchell")
+
+
 def test_a_file_that_is_no_picture_is_refused(folder: Path) -> None:
     (folder / "square" / "12x9-box.exr").write_bytes(b"not a picture")
     with pytest.raises(CheckFailed, match="make the reference again"):

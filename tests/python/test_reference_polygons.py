@@ -10,8 +10,12 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference_scenes import scene
 
-from aliascope.references.polygons import coverage
+from aliascope.geometry import frame_of
+from aliascope.references.canvas import Canvas, Coverage
+from aliascope.references.polygons import coverage, coverage_error
+from aliascope.references.visibility import depth_order
 
 WIDTH, HEIGHT = 12, 9
 Corner = tuple[Fraction, Fraction]
@@ -91,11 +95,15 @@ def test_triangles_with_corners_on_pixel_corners(triangle: list[tuple[int, int]]
         compare([(float(x), float(y)) for x, y in triangle])
 
 
-def test_areas_sum_to_the_area_of_the_polygon() -> None:
+def star() -> shapely.Polygon:
     rng = np.random.default_rng(5)
     angle = np.sort(rng.uniform(0, 2 * np.pi, 300))
     radius = rng.uniform(10, 45, 300)
-    shape = shapely.Polygon(np.column_stack([64.1 + radius * np.cos(angle), 48.3 + radius * np.sin(angle)]))
+    return shapely.Polygon(np.column_stack([64.1 + radius * np.cos(angle), 48.3 + radius * np.sin(angle)]))
+
+
+def test_areas_sum_to_the_area_of_the_polygon() -> None:
+    shape = star()
     # 3000 pixels, each within a few eps of the coordinates, 128: 3000 * 3e-14 at the worst.
     assert abs(coverage(shape, 128, 96).area.sum() - shape.area) < 1e-10
 
@@ -113,7 +121,7 @@ def test_holes_and_several_parts() -> None:
 
 
 def test_pixels_that_no_edge_touches_are_exactly_0_or_1() -> None:
-    found = coverage(shapely.Polygon(SHAPES["concave"]), WIDTH, HEIGHT)
+    found = coverage(star(), 128, 96)
     untouched = found.length == 0.0
     assert set(np.unique(found.area[untouched]).tolist()) == {0.0, 1.0}
 
@@ -121,6 +129,17 @@ def test_pixels_that_no_edge_touches_are_exactly_0_or_1() -> None:
 def test_the_length_of_edges_in_pixels_sums_to_the_outline() -> None:
     shape = shapely.Polygon(SHAPES["concave"])
     assert coverage(shape, WIDTH, HEIGHT).length.sum() == pytest.approx(shape.length, rel=1e-14)
+
+
+def test_parts_that_leave_a_gap_are_in_the_error_bound() -> None:
+    """Should the Booleans go wrong, the outline of all polygons together tells."""
+    order, frame = depth_order([]), frame_of(scene(), (WIDTH, HEIGHT))
+    canvas = Canvas(WIDTH, HEIGHT)
+    assert coverage_error(frame, [], order, canvas) == 0.0
+    area = np.zeros((HEIGHT, WIDTH))
+    area[3, 4] = 1e-7
+    canvas.add(Coverage(area, np.zeros_like(area)), np.ones(3), 1.0)
+    assert coverage_error(frame, [], order, canvas) == 1e-7
 
 
 def test_an_empty_region_covers_nothing() -> None:

@@ -92,6 +92,8 @@ def test_rings_beside_and_below_constant_surfaces() -> None:
 def test_too_many_rings_are_refused() -> None:
     with pytest.raises(Unsupported, match="turns too often"):
         mean_phasor(np.array([1e3, 1e3 + 1]), 1e9)
+    with pytest.raises(Unsupported, match="too far from its centre"):
+        mean_phasor(np.array([1.0, 1.0]), 1.0)
     pattern = {"type": "zone-plate", "scale": 1.0, "origin": [1e5, 0, 0]}
     of = scene(box(-1, -1, 20, 20, material="rings"), materials={"rings": {"emission": [1, 1, 1], "pattern": pattern}})
     with pytest.raises(Unsupported, match="turns too often"):

@@ -92,6 +92,8 @@ LAYERED = {
         box(2.3, 1.8, 10.3, 7.9, -2.0, "red"),
         disc(5.4, 4.6, 1.6, 0.0, "blue"),
     ],
+    "polygon behind a disc": [box(4.1, 3.2, 6.3, 5.7, -1.0), disc(5.2, 4.4, 2.6, 0.0)],
+    "discs side by side": [disc(3.1, 4.2, 2.0), disc(7.1001, 4.2, 2.0, 0.0, "red")],
     "discs cut by the border of the picture": [
         box(-3.0, -3.0, 14.0, 11.0, -3.0, "green"),
         disc(0.7, 1.2, 1.7, 0.0, "red"),
@@ -149,6 +151,10 @@ def test_a_polygon_seen_from_its_edge_or_behind_the_eye_is_not_there() -> None:
 
 ZONES = {"rings": {"emission": [1, 1, 1], "pattern": {"type": "zone-plate", "scale": 1.0}}}
 CHECKED = {"tiles": {"emission": [1, 1, 1], "pattern": {"type": "checker", "scale": 1.0}}}
+BRIGHT = {
+    "emission": [1e30, 1, 1],
+    "pattern": {"type": "zone-plate", "scale": 1.0, "colours": [[1e20, 0, 0], [1e10, 1, 1]]},
+}
 REFUSED = {
     "cross": (scene(box(1, 1, 8, 8, 0.0), polygon([(2, 2, -1), (9, 2, 2), (9, 7, 2), (2, 7, -1)])), "cross each other"),
     "same depth": (scene(box(1, 1, 8, 8), box(4, 4, 9, 9, material="blue")), "same depth"),
@@ -156,6 +162,8 @@ REFUSED = {
     "disc over an edge": (scene(box(1, 1, 6, 8), disc(6, 4, 2, 1.0)), "cut by another outline"),
     "disc behind an edge": (scene(box(1, 1, 6, 8, 2.0), disc(6, 4, 2, 1.0)), "cut by another outline"),
     "disc over a disc's edge": (scene(disc(5, 4, 2), disc(6, 4, 2, 1.0)), "cut by another outline"),
+    "disc past a disc's edge by a thousandth": (scene(disc(5, 4, 3), disc(6.001, 4, 2, 1.0)), "cut by another"),
+    "disc of a billion pixels": (scene(disc(-1e9, 4, 1e9 + 5)), "larger, or farther away"),
     "tilted disc": (scene(disc(5, 4, 2) | {"normal": [0.1, 0, 1]}), "does not face the viewer"),
     "sphere": (
         scene({"type": "sphere", "material": "red", "centre": [0, 0, 0], "radius": 1}),
@@ -179,6 +187,10 @@ REFUSED = {
     "tilted rings": (
         scene(polygon([(-20, -20, 0), (30, -20, 0.1), (30, 30, 0.1), (-20, 30, 0)], 0, "rings"), materials=ZONES),
         "not parallel to the picture",
+    ),
+    "brighter than float32": (
+        scene(box(-1, -1, 13, 10, material="rings"), materials={"rings": BRIGHT}),
+        "more than float32 holds",
     ),
     "far away": (scene(box(1e12, 1e12, 2e12, 2e12), box(-1e9, -1e9, 1e9 + 0.5, 5.5)), "rounding could move"),
     "behind the eye in part": (scene(polygon([(1, 1, 0), (8, 1, 20), (8, 8, 20)])), "reaches behind the eye"),

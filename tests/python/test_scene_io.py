@@ -81,7 +81,11 @@ def test_a_whole_scene_is_read(tmp_path: Path) -> None:
         ("height = 2.0", "", 'camera: an "orthographic" camera has height'),
         ("look_at = [0.0, 0.0, 0.0]", "look_at = [0.0, 0.0, 4.0]", "eye and look_at must differ"),
         ("look_at = [0.0, 0.0, 0.0]", "look_at = [0.0, 1.0, 4.0]", "up must not be zero or along the line of sight"),
-        ("emission = [1.0, 1.0, 1.0]", "albedo = [1.5, 0, 0]", "scene.toml:14: materials.paper.albedo: must be at most 1, not 1.5"),
+        (
+            "emission = [1.0, 1.0, 1.0]",
+            "albedo = [1.5, 0, 0]",
+            "scene.toml:14: materials.paper.albedo: must be at most 1, not 1.5",
+        ),
         ("[view]", "[view", "scene.toml:4: not TOML"),
         ('title = "t"', "", 'scene.toml:1: title: the key "title" is missing'),
     ],

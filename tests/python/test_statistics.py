@@ -31,7 +31,7 @@ def test_one_value_has_no_error_and_none_has_no_mean() -> None:
 
 
 def test_root_mean_square_has_the_error_that_repetition_shows() -> None:
-    """Over 4,000 sets of 40 values, the spread of the root is what its error says, within 5 % (1 / sqrt(8000) = 1 %)."""
+    """Over 4,000 sets of 40 values the spread of the root is what its error says, within 5 % (1 / sqrt(8000) = 1 %)."""
     rng = np.random.default_rng(2)
     found = [statistics.root_mean_square(rng.gamma(4.0, 0.3, 40).tolist()) for _ in range(4000)]
     spread = np.std([estimate.value for estimate in found])

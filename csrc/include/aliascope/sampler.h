@@ -1,8 +1,8 @@
 /* Sampling patterns.
  *
  * A sampler is immutable once made and may be used from any number of threads. asc_sampler_fill is pure: a value
- * depends on (spec, samples, seed, pixel, sample index, dimension) alone, so any range can be asked for in any order and
- * gives the same bits as all at once. Patterns that are not randomised ignore seed and pixel.
+ * depends on (spec, samples, seed, pixel, sample index, dimension) alone, so any range can be asked for in any order
+ * and gives the same bits as all at once. Patterns that are not randomised ignore seed and pixel.
  *
  * Points are double, row-major [sample][dimension], in [0, 1). So that they stay below 1 as float, values in
  * [1 - 2^-25, 1) become 1 - 2^-24.

@@ -19,7 +19,8 @@ def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]
     packed = ffi.new("asc_scene *")
     packed.struct_size = ffi.sizeof("asc_scene")
     view = packed.view
-    view.projection = ffi.typeof("asc_projection").relements["ASC_PERSPECTIVE" if frame.perspective else "ASC_ORTHOGRAPHIC"]
+    projections = ffi.typeof("asc_projection").relements
+    view.projection = projections["ASC_PERSPECTIVE" if frame.perspective else "ASC_ORTHOGRAPHIC"]
     view.width, view.height = frame.width, frame.height
     view.half_width, view.half_height = frame.half_width, frame.half_height
     for name in ("eye", "right", "up", "forward"):

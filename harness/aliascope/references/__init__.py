@@ -36,8 +36,8 @@ def make(scene: Scene, size: tuple[int, int], filter_: str = "box") -> Reference
         raise Unsupported(f"the scene has no exact reference: {why}")
     method = able[0]
     result = method.make(scene, frame_of(scene, size))
-    if not np.isfinite(result.pixels).all():
-        raise Unsupported(f'the method "{method.name}" comes to pixels that are not finite')
-    return Reference(
-        pixels=result.pixels.astype(np.float32), exact=result.pixels, error=result.error, method=method.name
-    )
+    with np.errstate(over="ignore"):
+        pixels = result.pixels.astype(np.float32)
+    if not np.isfinite(pixels).all():
+        raise Unsupported(f"the scene is as bright as {float(result.pixels.max()):.1e}: more than float32 holds")
+    return Reference(pixels=pixels, exact=result.pixels, error=result.error, method=method.name)

@@ -97,7 +97,9 @@ def _areas(power: Array, column: Index, row: Index, circle: Circle) -> Array:
             arc_from, arc_to = last[here, side], first[here, other]
             area[here] += _cross(arc_from, arc_to) / 2
             centre = near[here] - 0.5
-            major = _is_major(arc_from, arc_to, centre, steps) & centre_inside[here]
+            # More than half the circle needs the centre in the pixel, for the arc has it in its hull; and then an arc
+            # with a short chord is one that returns to its own side.
+            major = centre_inside[here] & (steps == 4)
             area[here] += _segments(arc_from - centre, arc_to - centre, arc_to - arc_from, major, circle.radius)
     untouched = ~np.any(crossed, axis=1) & centre_inside
     area[untouched] = math.pi * circle.radius**2  # the circle lies within one pixel
@@ -148,19 +150,6 @@ def _distance_to_lines(column: Index, row: Index, circle: Circle) -> tuple[Array
 def _cross(a: Array, b: Array) -> Array:
     product: Array = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
     return product
-
-
-def _is_major(arc_from: Array, arc_to: Array, centre: Array, steps: int) -> Mask:
-    """Whether an arc that ends `steps` sides on is more than half the circle, given that the centre is in the pixel.
-
-    An arc around one or two corners is not: it turns by at most a right angle and a half-turn. One that ends on its own
-    side is. Around three corners the chord decides; it is longer than the radius then, so its side of the centre is
-    certain. (A centre outside the pixel allows none: an arc of more than half a circle has the centre in its hull.)
-    """
-    if steps == 3:
-        result: Mask = _cross(arc_to - arc_from, centre - arc_from) < 0.0
-        return result
-    return np.full(len(arc_from), steps == 4)
 
 
 def _segments(arc_from: Array, arc_to: Array, chord: Array, major: Mask, radius: float) -> Array:
@@ -226,15 +215,15 @@ def _seen(outline: Outline, front: list[Outline], frame: Frame) -> Coverage:
 def _without(
     result: Coverage, circles: list[tuple[Circle, str]], seen: shapely.Geometry, outline: Outline, frame: Frame
 ) -> Coverage:
-    """A coverage less the circles in front, which must lie within `seen` and apart from each other."""
-    for i, (circle, label) in enumerate(circles):
+    """A coverage less the circles in front, which must lie within `seen`.
+
+    None of them holds another, and two that cross are refused where the farther of them is looked at.
+    """
+    for circle, label in circles:
         if apart(circle, seen):
             continue  # hidden itself, here
         if not circle_within(circle, seen):
             raise _crossing(label, f"the outline of what is seen of {outline.label}")
-        for other, other_label in circles[:i]:
-            if math.hypot(circle.x - other.x, circle.y - other.y) < circle.radius + other.radius - SLIVER_PX:
-                raise _crossing(label, other_label)
         hidden = circle_coverage(circle, frame.width, frame.height)
         result = Coverage(result.area - hidden.area, result.length + hidden.length)
     return result

@@ -15,7 +15,6 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from aliascope.errors import Unsupported
 from aliascope.geometry import Array, Frame
 from aliascope.model import Scene
 from aliascope.references.canvas import Canvas, Coverage
@@ -123,9 +122,7 @@ def coverage_error(frame: Frame, outlines: Sequence[Outline], order: Order, canv
 
 
 def colour_of(outline: Outline) -> Array:
-    """The constant radiance of a surface, (3,)."""
-    if outline.material.pattern is not None:
-        raise Unsupported(f"{outline.label} has a pattern")
+    """The radiance (3,) of a surface that has no pattern: the methods' features hold that."""
     return np.array(outline.material.emission)
 
 

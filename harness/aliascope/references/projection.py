@@ -73,15 +73,16 @@ class Outline:
 
 
 def to_picture(frame: Frame, points: Array) -> tuple[Array, Array, float]:
-    """Points (n, 3) as places (n, 2) in pixels, their depths (n,), and a bound of the rounding of the places (px)."""
+    """Points (n, 3) as places (n, 2) in pixels, their depths (n,), and a bound of the rounding of the places (px).
+
+    The points lie in front of the eye.
+    """
     relative = points - frame.eye
     reach = float(np.linalg.norm(relative, axis=1).max())
     u, v, depth = relative @ frame.right, relative @ frame.up, relative @ frame.forward
     # A dot product of three terms, axes that are normalised to 2 eps, and the scaling: under 8 eps of the reach.
     rounding = 8 * EPSILON * reach
     if frame.perspective:
-        if not float(depth.min()) > 0.0:
-            raise ValueError("reaches behind the eye")
         u, v = u / depth, v / depth
         rounding *= (1.0 + float(np.hypot(u, v).max())) / float(depth.min())
     places = np.column_stack([frame.width / 2 + u / frame.pixel, frame.height / 2 - v / frame.pixel])

@@ -71,6 +71,11 @@ def _unable(mode: Spec) -> str | None:
             f"{mode.text}: GL_MAX_SAMPLES of llvmpipe is {raster.MULTISAMPLES}, so a pixel has 4 samples, "
             f"or 8 in two passes; accumulate:n={mode.integer('n')} has any count"
         )
+    if mode.name == ACCUMULATE.name:
+        try:
+            samplers.randomised(mode.word("sampler"), mode.integer("n"))
+        except Unsupported as error:
+            return str(error)
     return None
 
 

@@ -45,13 +45,25 @@ _FORMS = (
     Form(
         "am1",
         "a ray a pixel, compared with the left and the upper neighbour; where they differ, depth x depth more (+AM1)",
-        (Key("depth", "integer", 3, "side of the grid of samples within a pixel", 1, 9), _THRESHOLD, _JITTER),
+        (
+            Key("depth", "integer", 3, "side of the grid of samples within a pixel", 1, 9, is_count=True),
+            _THRESHOLD,
+            _JITTER,
+        ),
     ),
     Form(
         "am2",
         "the four corners of a pixel, and between them recursively where they differ (+AM2)",
         (
-            Key("depth", "integer", 3, "levels; (2^(depth-1)+1)^2 samples at most, so 1 is corners alone", 1, 9),
+            Key(
+                "depth",
+                "integer",
+                3,
+                "levels; (2^(depth-1)+1)^2 samples at most, 1 is corners alone",
+                1,
+                9,
+                is_count=True,
+            ),
             _THRESHOLD,
             _JITTER,
         ),
@@ -59,7 +71,7 @@ _FORMS = (
     Form(
         "regular",
         "n = k x k rays a pixel, on a regular grid: rendered k times larger and averaged",
-        (Key("n", "integer", 16, "samples a pixel, a square number", 1, 1 << 14),),
+        (Key("n", "integer", 16, "samples a pixel, a square number", 1, 1 << 14, is_count=True),),
     ),
 )
 

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from aliascope import image, pipeline, places, references, renderers
-from aliascope.errors import NotWritable
+from aliascope.errors import Interrupted, NotWritable
 from aliascope.pipeline import Options, Plan, Progress
-from aliascope.records import Estimate, Failure, Job, ModeRow, Outcome, ReportData, SceneSection
-from aliascope.references import files as reference_files
+from aliascope.records import Estimate, Failure, ModeRow, Outcome, ReportData, SceneSection
 from aliascope.references import Reference
+from aliascope.references import files as reference_files
 from aliascope.report import write_report
 from aliascope.specs import family
 from aliascope.statistics import mean, root_mean_square
@@ -51,7 +51,10 @@ def compare(
         _check_writable(folder)
         store.begin_run(started, command, places.revision(), places.machine(), plan.versions)
         pixels = {name: reference.pixels for name, reference in judged.items()}
-        outcomes, reused = pipeline.execute(plan, folder, store, pixels, options, progress)
+        try:
+            outcomes, reused = pipeline.execute(plan, folder, store, pixels, options, progress)
+        except KeyboardInterrupt as error:
+            raise Interrupted("interrupted; what was finished is kept, and the same command goes on from it") from error
     sections = tuple(_section(plan, name, judged[name], outcomes, folder) for name in plan.files if name in judged)
     data = ReportData(
         title="aliascope compare",

@@ -1,0 +1,324 @@
+"""The commands as a user runs them: what they print, and their exit codes."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import fake_povray
+import numpy as np
+import pytest
+
+from aliascope import places
+from aliascope.image import read_header, read_image, write_exr
+
+COMMAND = [sys.executable, "-W", "error", "-m", "aliascope.cli"]
+QUICK = ("-m", "uniform:n=1", "-m", "none", "-m", "msaa:n=4")
+"""One cheap mode of each renderer."""
+
+
+def run(*arguments: str | Path, code: int = 0, **options: Any) -> subprocess.CompletedProcess[str]:
+    result = subprocess.run(
+        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False, **options
+    )
+    assert result.returncode == code, result.stdout + result.stderr
+    assert "Traceback" not in result.stderr
+    return result
+
+
+def complaint(*arguments: str | Path, code: int, **options: Any) -> str:
+    """The one line of an error."""
+    result = run(*arguments, code=code, **options)
+    lines = result.stderr.splitlines()
+    assert len(lines) == 1, result.stderr
+    assert lines[0].startswith("aliascope: ")
+    return lines[0]
+
+
+def environment(folder: Path, alone: bool = False) -> dict[str, str]:
+    """This environment with a folder first on the PATH, or alone on it."""
+    return {**os.environ, "PATH": str(folder) if alone else f"{folder}{os.pathsep}{os.environ['PATH']}"}
+
+
+# --- points, list, error, render, reference ---------------------------------------------------------------------------
+
+
+def test_version_and_help() -> None:
+    assert run("--version").stdout == f"aliascope {places.own_version()}\n"
+    for command in ("points", "list", "render", "error", "reference", "compare"):
+        assert "Example: aliascope " + command in run(command, "--help").stdout
+
+
+def test_points_are_csv_with_17_digits() -> None:
+    lines = run("points", "halton", "-n", "4", "-d", "3").stdout.splitlines()
+    assert lines[1] == "0.5,0.33333333333333331,0.20000000000000001"
+    assert len(lines) == 4
+    assert run("points", "sobol", "-n", "2", "--first", "2", "--weights").stdout == "0.25,0.75,0.5\n0.75,0.25,0.5\n"
+
+
+def test_points_go_to_files(tmp_path: Path) -> None:
+    run("points", "random", "-n", "50", "--seed", "3", "-o", tmp_path / "a.npy")
+    run("points", "random", "-n", "50", "--seed", "3", "-o", tmp_path / "a.csv")
+    table = np.load(tmp_path / "a.npy")
+    assert np.array_equal(table, np.loadtxt(tmp_path / "a.csv", delimiter=","))
+    run("points", "random", "-n", "50", "-o", tmp_path / "a.svg")
+    run("points", "random", "-n", "50", "-o", tmp_path / "a.png")
+    assert "<svg" in (tmp_path / "a.svg").read_text()
+    assert read_image(tmp_path / "a.png").shape[2] in (3, 4)
+    assert ".csv, .npy, .svg or .png" in complaint("points", "random", "-n", "5", "-o", tmp_path / "a.txt", code=2)
+    assert "a.csv" in complaint("points", "random", "-n", "5", "-o", tmp_path / "no" / "a.csv", code=4)
+
+
+def test_points_errors() -> None:
+    assert 'did you mean "sobol"?' in complaint("points", "sobal", "-n", "4", code=2)
+    assert "17 is no square" in complaint("points", "jittered", "-n", "17", code=2)
+    assert "--pixel" in complaint("points", "random", "-n", "4", "--pixel", "3", code=2)
+    run("points", "random", "-n", "0", code=2)
+    run("points", "random", code=2)
+    run("pionts", code=2)
+
+
+def test_a_reader_that_goes_away_is_no_error() -> None:
+    command = " ".join(COMMAND) + " points random -n 300000 | head -n 1"
+    result = subprocess.run(["bash", "-o", "pipefail", "-c", command], capture_output=True, text=True, check=False)
+    assert result.stderr == ""
+    assert result.stdout.count("\n") == 1
+    assert result.returncode == 128 + signal.SIGPIPE
+
+
+def test_lists_are_the_registries() -> None:
+    for what, expected in (
+        ("scenes", "edge"),
+        ("renderers", "osmesa"),
+        ("modes", "am2"),
+        ("samplers", "sobol"),
+        ("metrics", "relative-mse"),
+        ("filters", "box"),
+    ):
+        entries = json.loads(run("list", what, "--json").stdout)[what]
+        assert expected in {entry["name"] for entry in entries}
+        assert expected in run("list", what).stdout
+    assert 'did you mean "modes"?' in complaint("list", "mode", code=2)
+
+
+def test_render_error_and_reference(tmp_path: Path) -> None:
+    out = tmp_path / "edge.exr"
+    document = json.loads(run("render", "edge", "-r", "embree", "-m", "uniform:n=16", "-o", out, "--json").stdout)
+    assert (document["width"], document["height"], document["samples"]) == (128, 96, 128 * 96 * 16)
+    assert document["rays"] == {"primary": 128 * 96 * 16}
+    assert document["mode"] == "uniform"
+    assert document["cpu_seconds"] > 0
+    assert read_header(out)["mode"] == "uniform"
+    reference = places.REFERENCES / "edge" / "128x96-box.exr"
+    found = json.loads(run("error", out, reference, "--metric", "rmse,max", "--json").stdout)
+    assert 0 < found["metrics"]["rmse"] < 0.02
+    assert len(found["details"]["max-at"]) == 3
+    equal = json.loads(run("error", reference, reference, "--json").stdout)
+    assert equal["metrics"]["psnr"] is None
+    assert "equal" in equal["details"]["psnr-reason"]
+
+    run("reference", "edge", "-o", tmp_path / "references")
+    run("reference", "edge", "--verify", "-o", tmp_path / "references")
+    path = tmp_path / "references" / "edge" / "128x96-box.exr"
+    pixels, header = read_image(path), read_header(path)
+    pixels[40, 20, 1] += 1e-5
+    write_exr(path, pixels, header)
+    result = run("reference", "edge", "--verify", "-o", tmp_path / "references", code=1)
+    assert "DOES NOT HOLD: pixel (20, 40) channel 1" in result.stdout
+    assert "make it with" in complaint("reference", "discs", "--verify", "-o", tmp_path / "references", code=1)
+
+
+def test_error_never_gives_a_number_for_what_is_none(tmp_path: Path) -> None:
+    pixels = np.zeros((4, 5, 3), np.float32)
+    write_exr(tmp_path / "zero.exr", pixels, {})
+    write_exr(tmp_path / "small.exr", pixels[1:], {})
+    pixels[2, 3, 1] = np.nan
+    write_exr(tmp_path / "nan.exr", pixels, {})
+    text = complaint("error", tmp_path / "nan.exr", tmp_path / "zero.exr", code=1)
+    assert "1 NaN and 0 infinite values, the first at x=3, y=2, channel 1" in text
+    assert "5 x 3 pixels" in complaint("error", tmp_path / "small.exr", tmp_path / "zero.exr", code=2)
+    assert "no such file" in complaint("error", tmp_path / "absent.exr", tmp_path / "zero.exr", code=2)
+
+
+def test_render_errors(tmp_path: Path) -> None:
+    out = tmp_path / "o.exr"
+    render = ("render", "edge", "-o", out)
+    assert 'did you mean "edge"?' in complaint("render", "egde", "-r", "embree", "-m", "uniform", "-o", out, code=2)
+    assert 'did you mean "embree"?' in complaint(*render, "-r", "embre", "-m", "uniform", code=2)
+    assert 'did you mean "uniform"?' in complaint(*render, "-r", "embree", "-m", "unifrom", code=2)
+    assert 'did you mean "sampler"?' in complaint(*render, "-r", "embree", "-m", "uniform:samler=halton", code=2)
+    assert "WxH" in complaint(*render, "-r", "embree", "-m", "uniform", "--size", "12", code=2)
+    assert "16384" in complaint(*render, "-r", "embree", "-m", "uniform", "--size", "99999x2", code=2)
+    assert "is no square" in complaint(*render, "-r", "embree", "-m", "uniform:n=17,sampler=jittered", code=2)
+    assert "4 samples" in complaint(*render, "-r", "osmesa", "-m", "msaa:n=16", code=2)
+    (tmp_path / "file").write_text("")
+    assert "file" in complaint(
+        "render", "edge", "-r", "embree", "-m", "uniform", "-o", tmp_path / "file" / "a.exr", code=4
+    )
+    nowhere = environment(tmp_path / "empty", alone=True)
+    assert "not installed" in complaint(*render, "-r", "povray", "-m", "none", code=3, env=nowhere)
+
+
+def test_a_scene_that_a_renderer_cannot_draw(tmp_path: Path) -> None:
+    scene = tmp_path / "lit.toml"
+    text = (places.SCENES / "edge.toml").read_text()
+    scene.write_text(text + '\n[[lights]]\ntype = "sphere"\ncentre = [0, 0, 1]\nradius = 1.0\nintensity = [1, 1, 1]\n')
+    for name, mode in (("embree", "uniform"), ("povray", "none"), ("osmesa", "none")):
+        message = complaint("render", scene, "-r", name, "-m", mode, "-o", tmp_path / "o.exr", code=2)
+        assert "does not draw: sphere light" in message
+
+
+# --- compare ----------------------------------------------------------------------------------------------------------
+
+
+def compare(folder: Path, *arguments: str, code: int = 0, **options: Any) -> dict[str, Any]:
+    result = run("compare", *arguments, "-o", folder, "--json", code=code, **options)
+    document = json.loads(result.stdout)
+    assert isinstance(document, dict)
+    return document
+
+
+def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
+    first = compare(tmp_path, "edge", "discs", *QUICK)
+    # Two scenes: four seeds of the tracer, one picture of each of the others, whose "none" two of them have.
+    assert (first["rendered"], first["reused"], first["failed"]) == (2 * (4 + 1 + 2), 0, 0)
+    assert {(row["renderer"], row["mode"]) for row in first["rows"]} == {
+        ("embree", "uniform:n=1"),
+        ("povray", "none"),
+        ("osmesa", "none"),
+        ("osmesa", "msaa"),
+    }
+    assert all(row["metrics"]["rmse"] > 0 for row in first["rows"])
+    second = compare(tmp_path, "edge", "discs", *QUICK, "--resume")
+    assert (second["rendered"], second["reused"]) == (0, 14)
+    assert second["rows"] == first["rows"]
+
+    with sqlite3.connect(tmp_path / "results.sqlite") as database:
+        assert database.execute("PRAGMA user_version").fetchone() == (1,)
+        revision, machine, versions = database.execute("SELECT revision, machine, versions FROM run").fetchone()
+        rows = database.execute("SELECT image, seed, cpu_seconds, samples FROM job").fetchall()
+    assert revision == places.revision()
+    assert json.loads(machine) == places.machine()
+    assert {"embree", "povray", "osmesa"} <= set(json.loads(versions))
+    for path, seed, cpu_seconds, samples in rows:
+        header = read_header(tmp_path / path)
+        assert header["seed"] == str(seed)
+        assert header["command"].startswith("aliascope render ")
+        assert cpu_seconds >= 0
+        assert samples > 0
+    assert (tmp_path / "report.html").is_file()
+    assert (tmp_path / "results.csv").is_file()
+
+    (tmp_path / rows[0][0]).unlink()
+    assert compare(tmp_path, "edge", "discs", *QUICK)["rendered"] == 1
+
+
+def test_dry_run_and_choices(tmp_path: Path) -> None:
+    def jobs(*arguments: str) -> list[dict[str, Any]]:
+        found = json.loads(run("compare", *arguments, "--dry-run", "--json").stdout)["jobs"]
+        assert isinstance(found, list)
+        return found
+
+    assert {job["scene"] for job in jobs("e*", "-r", "osmesa")} == {"edge"}
+    assert {job["renderer"] for job in jobs("-r", "osmesa")} == {"osmesa"}
+    assert {job["mode"] for job in jobs("edge", "-m", "am2*")} == {f"am2:depth={d}" for d in (2, 4, 5)} | {"am2"}
+    assert len(jobs("edge", "-m", "regular:n=9")) == 1
+    assert not (tmp_path / "results.sqlite").exists()
+    for wrong, words in (
+        (("egde",), 'did you mean "edge"?'),
+        (("edge", "-r", "povrai"), 'did you mean "povray"?'),
+        (("edge", "-m", "unifrom:n=4"), 'did you mean "uniform"?'),
+        (("edge", "--profile", "quik"), 'did you mean "quick"?'),
+        (("edge", "--resume", "-o", str(tmp_path / "absent")), "no results to resume"),
+    ):
+        assert words in complaint("compare", *wrong, code=2)
+
+
+def test_a_renderer_that_is_absent_is_skipped_and_said_or_demanded(tmp_path: Path) -> None:
+    nowhere = environment(tmp_path / "empty", alone=True)
+    document = compare(tmp_path / "out", "edge", *QUICK, env=nowhere)
+    assert "povray" in document["skipped"]
+    assert document["rendered"] == 6
+    text = run("compare", "edge", *QUICK, "-o", tmp_path / "out", env=nowhere).stdout
+    assert "skipped povray: " in text
+    assert "not installed" in complaint("compare", "edge", "-r", "povray", "-o", tmp_path / "o", code=3, env=nowhere)
+
+
+# The worker that runs POV-Ray is its parent's parent's child: the script is started by it directly.
+TROUBLE = {
+    "crashes": ("kill -SEGV $$", "SIGSEGV"),
+    "fails": ("echo 'Parse Error: nonsense' >&2; exit 1", "Parse Error: nonsense"),
+    "hangs": ("exec sleep 60", "had not ended after 2 s"),
+    "takes its worker along": ("kill -SEGV $PPID; sleep 1", "SIGSEGV"),
+    "kills its worker": ("kill -KILL $PPID; sleep 1", "SIGKILL"),
+}
+
+
+@pytest.mark.parametrize("trouble", list(TROUBLE))
+def test_a_job_that_fails_stops_no_other(tmp_path: Path, trouble: str) -> None:
+    body, words = TROUBLE[trouble]
+    version = 'case "$*" in *version*) echo "POV-Ray 3.7.0.10" >&2; exit 0;; esac; '
+    path = environment(fake_povray.install(tmp_path / "bin", version + body))
+    document = compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)
+    assert (document["pictures"], document["failed"]) == (6, 1)
+    assert words in document["failures"][0]["message"]
+    assert document["failures"][0]["command"].startswith("aliascope render edge -r povray -m none")
+    assert words in (tmp_path / "out" / "report.html").read_text()
+    # What failed is tried again, and only that.
+    assert compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)["reused"] == 6
+
+
+def test_folders_that_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    message = complaint("compare", "edge", *QUICK, "-o", tmp_path / "file" / "out", code=4)
+    assert "choose another folder with -o" in message
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "results.sqlite").write_text("no database" * 100)
+    assert "not a database" in complaint("compare", "edge", *QUICK, "-o", tmp_path / "out", code=2)
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "images").write_text("")
+    assert "choose another folder" in complaint("compare", "edge", *QUICK, "-o", tmp_path / "other", code=4)
+
+
+def test_results_of_another_schema_are_refused(tmp_path: Path) -> None:
+    with sqlite3.connect(tmp_path / "results.sqlite") as database:
+        database.execute("PRAGMA user_version = 99")
+    assert "schema 99" in complaint("compare", "edge", *QUICK, "-o", tmp_path, code=2)
+
+
+def test_an_interrupted_compare_keeps_what_it_has_and_goes_on(tmp_path: Path) -> None:
+    command = [*COMMAND, "compare", "edge", "-r", "embree", "-o", str(tmp_path)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 30
+    while len(list(tmp_path.glob("images/**/*.exr"))) < 5:
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert errors.startswith("aliascope: interrupted")
+    document = compare(tmp_path, "edge", "-r", "embree", "--resume")
+    assert document["reused"] >= 5
+    assert document["rendered"] == 70 - document["reused"]
+
+
+def test_a_users_scene_gets_its_reference_made(tmp_path: Path) -> None:
+    scene = tmp_path / "mine.toml"
+    scene.write_text((places.SCENES / "edge.toml").read_text().replace("0.9412", "0.5"))
+    document = compare(tmp_path / "out", str(scene), "-m", "uniform:n=4", "--size", "40x30")
+    assert document["rows"][0]["scene"] == "mine"
+    assert document["failed"] == 0
+
+
+def test_without_references_a_compare_fails(tmp_path: Path) -> None:
+    scene = tmp_path / "both.toml"
+    text = (places.SCENES / "discs.toml").read_text()
+    scene.write_text(text.replace('type = "disc"', 'type = "sphere"'))
+    assert "no exact reference" in complaint("compare", scene, "-m", "uniform", "-o", tmp_path / "out", code=2)

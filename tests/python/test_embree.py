@@ -1,0 +1,74 @@
+"""The tracer as a renderer: where its pixels are, and at which rate its error falls."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from aliascope import api, references, scene_io
+from aliascope.native import samplers
+from aliascope.renderers import embree, mode_of
+from aliascope.statistics import rate
+
+SEEDS = 16
+
+
+def render(mode: str, seed: int, scene: str = "edge") -> np.ndarray:
+    return api.render(scene, "embree", mode, seed=seed).pixels
+
+
+def crossed() -> tuple[np.ndarray, np.ndarray]:
+    """The reference of `edge`, and which of its pixels an edge crosses: those that hold more than one surface."""
+    file = scene_io.load("edge")
+    exact = references.make(file.scene, file.scene.view.size).exact
+    flat = [np.array(file.scene.view.background)]
+    flat += [np.array(material.emission) for material in file.scene.materials.values()]
+    plain = np.zeros(exact.shape[:2], bool)
+    for colour in flat:
+        plain |= np.abs(exact - colour).max(axis=2) < 1e-9
+    return exact, ~plain
+
+
+def rmse_over_edges(sampler: str, count: int) -> float:
+    exact, mask = crossed()
+    squares = [(render(f"uniform:n={count},sampler={sampler}", seed)[mask] - exact[mask]) ** 2 for seed in range(SEEDS)]
+    return float(np.sqrt(np.mean(squares)))
+
+
+def test_owen_scrambled_sobol_reaches_its_accuracy_and_rate() -> None:
+    counts = [4, 16, 64, 256]
+    errors = [rmse_over_edges("sobol,sampler.scramble=owen", count) for count in counts]
+    assert errors[-1] < 0.006
+    fit = rate(counts, errors)
+    assert fit is not None
+    assert -1.1 < fit.exponent < -0.7
+
+
+def test_random_sampling_falls_as_the_root() -> None:
+    counts = [4, 16, 64, 256]
+    fit = rate(counts, [rmse_over_edges("random", count) for count in counts])
+    assert fit is not None
+    # Some 400 pixels of 3 correlated channels, 16 seeds: each error to 1 / sqrt(2 * 6400) = 0.9 %, over a range of
+    # log 64 the exponent to about 0.005; four of those.
+    assert fit.exponent == pytest.approx(-0.5, abs=0.02)
+
+
+def test_the_seed_matters_only_where_the_pattern_has_one() -> None:
+    assert not np.array_equal(render("uniform:n=4", 1), render("uniform:n=4", 2))
+    assert np.array_equal(render("uniform:n=4,sampler=halton", 1), render("uniform:n=4,sampler=halton", 2))
+    for mode, seeded in (("uniform:n=4", True), ("uniform:n=4,sampler=halton", False)):
+        assert embree.RENDERER.seeded(mode_of(embree.RENDERER, mode)) is seeded
+
+
+def test_every_sampler_that_has_16_points_renders() -> None:
+    for info in samplers.registered():
+        pixels = render(f"uniform:n=16,sampler={info.name}", 0, "discs")
+        assert np.isfinite(pixels).all()
+
+
+def test_repeats_add_up_to_a_tenth_of_a_second() -> None:
+    cost = api.render("edge", "embree", "uniform:n=1", least_seconds=0.1).cost
+    assert cost.repeats > 1
+    assert cost.cpu_seconds * cost.repeats >= 0.1
+    assert cost.samples == 128 * 96
+    assert cost.rays == {"primary": 128 * 96}
