@@ -1,53 +1,8 @@
-#include "scene.h"
-
-#include <math.h>
+/* Surfaces: moved to the camera in double, handed to Embree as float, kept in double where shading needs the point. */
 #include <stdlib.h>
 #include <string.h>
 
-static int finite3(const double v[3]) { return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]); }
-
-static void to_camera_direction(const asc_view *view, const double world[3], double camera[3]) {
-  camera[0] = dot(world, view->right);
-  camera[1] = dot(world, view->up);
-  camera[2] = dot(world, view->forward);
-}
-
-static void to_camera(const asc_view *view, const double world[3], double camera[3]) {
-  const double moved[3] = {world[0] - view->eye[0], world[1] - view->eye[1], world[2] - view->eye[2]};
-  to_camera_direction(view, moved, camera);
-}
-
-static asc_status check_view(const asc_view *view, asc_error *error) {
-  if (view->width < 1 || view->height < 1 || view->width > 16384 || view->height > 16384)
-    return asc_fail(error, ASC_INVALID_ARGUMENT, "a picture has 1 to 16384 pixels a side, not %u x %u", view->width,
-                    view->height);
-  if (!finite3(view->eye) || !finite3(view->right) || !finite3(view->up) || !finite3(view->forward) ||
-      !finite3(view->background) || !(view->half_width > 0.0) || !(view->half_height > 0.0) ||
-      !isfinite(view->half_width) || !isfinite(view->half_height))
-    return asc_fail(error, ASC_INVALID_ARGUMENT, "the view has a number that is not finite, or no extent");
-  return ASC_OK;
-}
-
-asc_status tracer_take_materials(tracer *made, const asc_scene *scene, asc_error *error) {
-  asc_status status = check_view(&scene->view, error);
-  if (status) return status;
-  made->view = scene->view;
-  made->material_count = scene->material_count;
-  made->materials = calloc(scene->material_count + 1, sizeof *made->materials);
-  if (!made->materials) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
-  for (size_t i = 0; i < scene->material_count; i++) {
-    asc_material *material = &made->materials[i];
-    *material = scene->materials[i];
-    const asc_pattern *pattern = &scene->materials[i].pattern;
-    if (!finite3(material->emission) || !finite3(pattern->origin) || !finite3(pattern->low) ||
-        !finite3(pattern->high) || !isfinite(pattern->scale))
-      return asc_fail(error, ASC_INVALID_ARGUMENT, "material %zu has a number that is not finite", i);
-    if (pattern->kind == ASC_PATTERN_NONE) continue;
-    made->patterned = 1;
-    to_camera(&made->view, pattern->origin, material->pattern.origin);
-  }
-  return ASC_OK;
-}
+#include "scene.h"
 
 /* Copies the materials of one kind of primitive. */
 static asc_status take_indices(tracer *made, int kind, const void *first, size_t stride, size_t count,
@@ -83,6 +38,8 @@ static plane plane_of(const double corner[3][3]) {
     b[i] = corner[2][i] - corner[0][i];
   }
   plane made = {{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}, 0.0};
+  const double length = sqrt(dot(made.normal, made.normal));
+  for (int i = 0; i < 3; i++) made.normal[i] /= length > 0.0 ? length : 1.0; /* without area it is never met */
   made.offset = dot(made.normal, corner[0]);
   return made;
 }
@@ -96,8 +53,8 @@ static asc_status take_triangles(tracer *made, const asc_scene *scene, asc_error
   RTCGeometry geometry = rtcNewGeometry(made->device, RTC_GEOMETRY_TYPE_TRIANGLE);
   float *vertices = shared_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 3 * count);
   uint32_t *indices = shared_buffer(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), count);
-  if (made->patterned) made->triangle_planes = malloc(count * sizeof *made->triangle_planes);
-  if (!vertices || !indices || (made->patterned && !made->triangle_planes)) {
+  if (!made->plain) made->triangle_planes = malloc(count * sizeof *made->triangle_planes);
+  if (!vertices || !indices || (!made->plain && !made->triangle_planes)) {
     rtcReleaseGeometry(geometry);
     return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu triangles", count);
   }
@@ -109,11 +66,11 @@ static asc_status take_triangles(tracer *made, const asc_scene *scene, asc_error
         rtcReleaseGeometry(geometry);
         return asc_fail(error, ASC_INVALID_ARGUMENT, "triangle %zu has a corner that is not finite", i);
       }
-      to_camera(&made->view, world, corner[k]);
+      tracer_to_camera(&made->view, world, corner[k]);
       for (size_t axis = 0; axis < 3; axis++) vertices[9 * i + 3 * k + axis] = (float)corner[k][axis];
       indices[3 * i + k] = (uint32_t)(3 * i + k);
     }
-    if (made->patterned) made->triangle_planes[i] = plane_of((const double(*)[3])corner);
+    if (!made->plain) made->triangle_planes[i] = plane_of((const double(*)[3])corner);
   }
   attach(made, geometry, TRIANGLES);
   return ASC_OK;
@@ -135,8 +92,8 @@ static asc_status take_discs(tracer *made, const asc_scene *scene, asc_error *er
   for (size_t i = 0; i < count; i++) {
     const asc_disc *disc = &scene->discs[i];
     double centre[3], normal[3];
-    to_camera(&made->view, disc->centre, centre);
-    to_camera_direction(&made->view, disc->normal, normal);
+    tracer_to_camera(&made->view, disc->centre, centre);
+    tracer_to_camera_direction(&made->view, disc->normal, normal);
     const double length = sqrt(dot(normal, normal));
     if (!finite3(centre) || !(length > 0.0) || !isfinite(length) || !(disc->radius > 0.0) || !isfinite(disc->radius)) {
       rtcReleaseGeometry(geometry);
@@ -169,7 +126,7 @@ static asc_status take_spheres(tracer *made, const asc_scene *scene, asc_error *
   }
   for (size_t i = 0; i < count; i++) {
     ball *made_ball = &made->balls[i];
-    to_camera(&made->view, scene->spheres[i].centre, made_ball->centre);
+    tracer_to_camera(&made->view, scene->spheres[i].centre, made_ball->centre);
     made_ball->radius = scene->spheres[i].radius;
     if (!finite3(made_ball->centre) || !(made_ball->radius > 0.0) || !isfinite(made_ball->radius)) {
       rtcReleaseGeometry(geometry);
@@ -182,6 +139,28 @@ static asc_status take_spheres(tracer *made, const asc_scene *scene, asc_error *
   return ASC_OK;
 }
 
+static asc_status take_planes(tracer *made, const asc_scene *scene, asc_error *error) {
+  const size_t count = scene->plane_count;
+  if (count == 0) return ASC_OK;
+  asc_status status = take_indices(made, PLANES, &scene->planes[0].material, sizeof(asc_plane), count, error);
+  if (status) return status;
+  made->plane_count = count;
+  made->planes = malloc(count * sizeof *made->planes);
+  if (!made->planes) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
+  for (size_t i = 0; i < count; i++) {
+    plane *endless = &made->planes[i];
+    double point[3];
+    tracer_to_camera(&made->view, scene->planes[i].point, point);
+    tracer_to_camera_direction(&made->view, scene->planes[i].normal, endless->normal);
+    const double length = sqrt(dot(endless->normal, endless->normal));
+    if (!finite3(point) || !(length > 0.0) || !isfinite(length))
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "plane %zu is not finite, or has no normal", i);
+    for (int axis = 0; axis < 3; axis++) endless->normal[axis] /= length;
+    endless->offset = dot(endless->normal, point);
+  }
+  return ASC_OK;
+}
+
 asc_status tracer_take_geometry(tracer *made, const asc_scene *scene, asc_error *error) {
   made->scene = rtcNewScene(made->device);
   if (!made->scene) return asc_fail(error, ASC_UNAVAILABLE, "Embree made no scene");
@@ -191,6 +170,7 @@ asc_status tracer_take_geometry(tracer *made, const asc_scene *scene, asc_error 
   asc_status status = take_triangles(made, scene, error);
   if (status == ASC_OK) status = take_discs(made, scene, error);
   if (status == ASC_OK) status = take_spheres(made, scene, error);
+  if (status == ASC_OK) status = take_planes(made, scene, error);
   if (status) return status;
   const double begun = tracer_thread_cpu_seconds();
   rtcCommitScene(made->scene);
@@ -200,32 +180,4 @@ asc_status tracer_take_geometry(tracer *made, const asc_scene *scene, asc_error 
     return asc_fail(error, failed == RTC_ERROR_OUT_OF_MEMORY ? ASC_OUT_OF_MEMORY : ASC_UNAVAILABLE,
                     "Embree could not build the scene (its error %d)", (int)failed);
   return ASC_OK;
-}
-
-static double along_plane(const plane *met, const double origin[3], const double direction[3]) {
-  return (met->offset - dot(met->normal, origin)) / dot(met->normal, direction);
-}
-
-/* The nearer root, and without its cancellation: the distance to the foot of the centre's perpendicular first
- * (Haines et al. 2019, "Precision improvements for ray/sphere intersection"). */
-static double along_ball(const ball *met, const double origin[3], const double direction[3]) {
-  double to_centre[3], miss[3];
-  for (int i = 0; i < 3; i++) to_centre[i] = met->centre[i] - origin[i];
-  const double squared = dot(direction, direction);
-  const double foot = dot(to_centre, direction) / squared;
-  for (int i = 0; i < 3; i++) miss[i] = to_centre[i] - foot * direction[i];
-  const double inside = met->radius * met->radius - dot(miss, miss);
-  const double half_chord = sqrt((inside > 0.0 ? inside : 0.0) / squared);
-  return foot - half_chord > 0.0 ? foot - half_chord : foot + half_chord;
-}
-
-void tracer_hit_point(const tracer *made, uint32_t geometry, uint32_t primitive, const double origin[3],
-                      const double direction[3], double point[3]) {
-  double t = 0.0;
-  switch (geometry) {
-  case TRIANGLES: t = along_plane(&made->triangle_planes[primitive], origin, direction); break;
-  case DISCS: t = along_plane(&made->disc_planes[primitive], origin, direction); break;
-  default: t = along_ball(&made->balls[primitive], origin, direction); break;
-  }
-  for (int i = 0; i < 3; i++) point[i] = origin[i] + t * direction[i];
 }

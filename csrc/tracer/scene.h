@@ -6,13 +6,15 @@
 #define TRACER_SCENE_H
 
 #include <embree3/rtcore.h>
+#include <math.h>
 
 #include "tracer.h"
 
-enum { TRIANGLES = 0, DISCS = 1, SPHERES = 2, GEOMETRY_KINDS = 3 };
+/* The first three are Embree's geometries; planes have no bounds, so they are met here, in double. */
+enum { TRIANGLES = 0, DISCS = 1, SPHERES = 2, PLANES = 3, GEOMETRY_KINDS = 4 };
 
 typedef struct plane {
-  double normal[3], offset; /* normal . p = offset; the normal of any length */
+  double normal[3], offset; /* normal . p = offset; the normal of length 1 */
 } plane;
 
 typedef struct ball {
@@ -23,27 +25,33 @@ struct tracer {
   RTCDevice device;
   RTCScene scene;
   asc_view view;
-  asc_material *materials; /* pattern origins in the camera frame */
+  asc_material *materials; /* pattern origins relative to the eye, along the world's axes */
   size_t material_count;
+  asc_light *lights; /* places in the camera frame; directions of length 1, toward the light */
+  size_t light_count;
   uint32_t *material_of[GEOMETRY_KINDS]; /* by primitive */
-  plane *triangle_planes;                /* only where a material has a pattern, else NULL */
+  plane *triangle_planes;                /* only where shading needs the point that is hit, else NULL */
   plane *disc_planes;
   ball *balls;
-  int patterned; /* some material has a pattern */
+  plane *planes;
+  size_t plane_count;
+  int plain; /* no pattern, light or plane: what Embree finds is all that shading needs */
   double build_cpu_seconds;
 };
 
-/* Copies and checks what is not geometry: view, materials. */
-asc_status tracer_take_materials(tracer *made, const asc_scene *scene, asc_error *error);
+/* Copies and checks what is not geometry: view, materials, lights. */
+asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_error *error);
 
 /* Makes the geometries in the camera frame and builds the acceleration structure. */
 asc_status tracer_take_geometry(tracer *made, const asc_scene *scene, asc_error *error);
 
-/* Where the ray from `origin` along `direction` meets a primitive, in double; the primitive was hit, by Embree. */
-void tracer_hit_point(const tracer *made, uint32_t geometry, uint32_t primitive, const double origin[3],
-                      const double direction[3], double point[3]);
+/* Turns a point or a direction of the world into the camera's frame. */
+void tracer_to_camera(const asc_view *view, const double world[3], double camera[3]);
+void tracer_to_camera_direction(const asc_view *view, const double world[3], double camera[3]);
 
 static inline double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static inline int finite3(const double v[3]) { return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]); }
 
 double tracer_thread_cpu_seconds(void);
 

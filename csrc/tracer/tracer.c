@@ -26,7 +26,7 @@ asc_status tracer_create(const asc_scene *scene, tracer **made, asc_error *error
   *made = NULL;
   tracer *fresh = calloc(1, sizeof *fresh);
   if (!fresh) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
-  asc_status status = tracer_take_materials(fresh, scene, error);
+  asc_status status = tracer_take_appearance(fresh, scene, error);
   if (status == ASC_OK) {
     /* One thread builds, so that the structure, and with it which of two touching surfaces is met, is always the
      * same. */
@@ -51,6 +51,8 @@ void tracer_destroy(tracer *made) {
   free(made->triangle_planes);
   free(made->disc_planes);
   free(made->balls);
+  free(made->planes);
+  free(made->lights);
   free(made);
 }
 
@@ -61,6 +63,7 @@ typedef struct picture {
   uint64_t samples; /* a pixel */
   float *pixels;
   atomic_uint next_row; /* of blocks */
+  atomic_ullong shadow_rays;
   atomic_int status;
 } picture;
 
@@ -85,6 +88,7 @@ static void *work(void *argument) {
       if (status) atomic_store(&shared->status, (int)status);
     }
   }
+  if (memory) (void)atomic_fetch_add(&shared->shadow_rays, block_shadow_rays(memory));
   block_work_free(memory);
   self->cpu_seconds = tracer_thread_cpu_seconds() - begun;
   return NULL;
@@ -124,7 +128,12 @@ asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, t
   if (status) return asc_fail(error, status, "the sampler failed: %s", asc_status_text(status));
   if (cost) {
     const uint64_t samples = sampling.samples * made->view.width * made->view.height;
-    *cost = (tracer_cost){samples, samples, cpu_seconds, seconds(CLOCK_MONOTONIC) - begun, made->build_cpu_seconds};
+    *cost = (tracer_cost){samples,
+                          samples,
+                          cpu_seconds,
+                          seconds(CLOCK_MONOTONIC) - begun,
+                          made->build_cpu_seconds,
+                          atomic_load(&shared.shadow_rays)};
   }
   return ASC_OK;
 }

@@ -29,6 +29,7 @@ typedef struct tracer_cost {
   double cpu_seconds; /* of the rendering threads together, without the build */
   double wall_seconds;
   double build_cpu_seconds; /* of the acceleration structure */
+  uint64_t shadow_rays;
 } tracer_cost;
 
 /* Renders into `pixels`, [height][width][3] float, linear RGB: the box filter's mean over each pixel, summed in double

@@ -89,12 +89,14 @@ class Estimate:
 class ModeRow:
     """One renderer and mode on one scene, over all its seeds, as the report shows it.
 
+    `mode` is the canonical spec, `label` the same for people to read, with its defaults named.
     `family` groups modes that differ in their sample count alone ("embree uniform sobol:scramble=owen"), for lines in
     plots. `pixels` is the picture of the first seed; `metrics` maps "rmse" and the like to their estimates.
     """
 
     renderer: str
     mode: str
+    label: str
     family: str
     samples_per_pixel: float
     cpu_seconds: Estimate

@@ -129,6 +129,12 @@ def family(spec: Spec) -> str:
     return " ".join([spec.name, *inner, *own])
 
 
+def label(spec: Spec) -> str:
+    """A mode for people: its family and its count, also where they are the defaults: "uniform halton, n=16"."""
+    counts = [f"{key.name}={_shown(spec.values[key.name])}" for key in spec.form.keys if key.is_count]
+    return ", ".join([family(spec), *counts])
+
+
 def _shown(value: Value) -> str:
     """The shortest text that reads back as the same value."""
     if isinstance(value, float):

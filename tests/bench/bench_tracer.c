@@ -142,9 +142,15 @@ int main(void) {
   }
   view.half_height = 0.42;
   view.half_width = view.half_height * WIDTH / HEIGHT;
-  asc_material materials[7] = {{{0}, {0}}};
+  asc_material materials[7] = {{.emission = {0, 0, 0}}};
   for (int i = 0; i < 7; i++) materials[i].emission[i % 3] = 0.1 + 0.1 * i;
-  const asc_scene scene = {sizeof scene, view, materials, 7, vertices, materials_of, TRIANGLES, NULL, 0, NULL, 0};
+  const asc_scene scene = {.struct_size = sizeof scene,
+                           .view = view,
+                           .materials = materials,
+                           .material_count = 7,
+                           .vertices = vertices,
+                           .triangle_material = materials_of,
+                           .triangle_count = TRIANGLES};
 
   const asc_sampler_desc pattern = {sizeof pattern, "sobol:scramble=owen", SAMPLES, 2, 1};
   asc_sampler *sampler = NULL;

@@ -2,8 +2,9 @@
  *
  * World: right-handed, y up. Pictures: row 0 on top, pixel (x, y) covers [x, x+1) x [y, y+1), so the picture position
  * (px, py) lies at (2 px / width - 1) half_width along `right` and (1 - 2 py / height) half_height along `up`.
- * Shading: emission, times the colour of the material's pattern where it has one. (The reader of scenes refuses what
- * a renderer can't draw; nothing is dropped here.)
+ * Shading: pattern(p) (emission + albedo sum over lights of intensity max(0, n . l) visibility), pattern(p) being 1
+ * where a material has none, n the geometric normal turned toward the viewer: light from the other side gives 0. A
+ * renderer refuses what it can't draw; nothing is dropped here.
  */
 #ifndef ASC_SCENE_H
 #define ASC_SCENE_H
@@ -26,7 +27,9 @@ typedef struct asc_view {
 typedef enum asc_pattern_kind {
   ASC_PATTERN_NONE = 0,
   /* colour = low + (high - low) (1 + cos(scale |p - origin|^2)) / 2, p the point on the surface */
-  ASC_PATTERN_ZONE_PLATE = 1
+  ASC_PATTERN_ZONE_PLATE = 1,
+  /* colour = low where the sum over the axes of floor(scale (p - origin)) is even, else high */
+  ASC_PATTERN_CHECKER = 2
 } asc_pattern_kind;
 
 typedef struct asc_pattern {
@@ -39,6 +42,7 @@ typedef struct asc_pattern {
 typedef struct asc_material {
   double emission[3]; /* linear RGB */
   asc_pattern pattern;
+  double albedo[3]; /* linear RGB */
 } asc_material;
 
 /* Each surface names its material by index. All surfaces are seen from both sides. */
@@ -54,6 +58,24 @@ typedef struct asc_sphere {
   uint32_t material;
 } asc_sphere;
 
+/* An endless plane. */
+typedef struct asc_plane {
+  double point[3], normal[3]; /* normal of any length but 0 */
+  uint32_t material;
+} asc_plane;
+
+typedef enum asc_light_kind {
+  ASC_LIGHT_POINT = 0,      /* `place` is its position */
+  ASC_LIGHT_DIRECTIONAL = 1 /* `place` is the direction in which the light travels, of any length but 0 */
+} asc_light_kind;
+
+typedef struct asc_light {
+  asc_light_kind kind;
+  double place[3];
+  double intensity[3];     /* linear RGB */
+  uint32_t inverse_square; /* 1: a point light's intensity is divided by the squared distance */
+} asc_light;
+
 typedef struct asc_scene {
   size_t struct_size;
   asc_view view;
@@ -66,6 +88,10 @@ typedef struct asc_scene {
   size_t disc_count;
   const asc_sphere *spheres;
   size_t sphere_count;
+  const asc_plane *planes;
+  size_t plane_count;
+  const asc_light *lights;
+  size_t light_count;
 } asc_scene;
 
 #endif

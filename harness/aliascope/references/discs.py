@@ -2,9 +2,9 @@
 
 The part of a pixel within a circle is bounded by parts of the pixel's sides and by arcs: a polygon of at most eight
 corners and a segment of the circle on each arc. The corners are roots of t^2 + 2 b t + q = 0 along each side, where
-q = |corner - centre|^2 - r^2. Both q and the discriminant are differences of squares that are nearly equal for a circle
-much larger than a pixel, so that whole pixels and fractions are squared apart, the former in integers: nothing cancels.
-Segments are taken from their chord, by a series where they are flat.
+q = |corner - centre|^2 - r^2 is a difference of squares that are nearly equal for a circle much larger than a pixel, so
+that whole pixels and fractions are squared apart, the former in integers: nothing cancels. Segments are taken from
+their chord, by a series where they are flat.
 
 Outlines of which one crosses a circle have no closed form here and are refused: a circle lies within what is seen of
 another surface, or holds it, or lies apart.
@@ -81,7 +81,7 @@ def _areas(power: Array, column: Index, row: Index, circle: Circle) -> Array:
     Clockwise on the picture is counter-clockwise as numbers: sides 0 to 3 go right, down, left, up.
     """
     near = _relative(column, row, circle)
-    from_, to, crossed = _inside(power, near, column, row, circle)
+    from_, to, crossed = _inside(power, near, circle.radius)
     corner = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
     along = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
     first = corner + from_[:, :, np.newaxis] * along  # (n, 4, 2), from the middle of the pixel
@@ -113,15 +113,12 @@ def _relative(column: Index, row: Index, circle: Circle) -> Array:
     return np.column_stack([(x - column) + (circle.x - x), (y - row) + (circle.y - y)])
 
 
-def _inside(power: Array, near: Array, column: Index, row: Index, circle: Circle) -> tuple[Array, Array, Mask]:
+def _inside(power: Array, near: Array, radius: float) -> tuple[Array, Array, Mask]:
     """Where each side (n, 4) enters and leaves the circle, in [0, 1], and whether it is inside anywhere."""
     ahead = np.column_stack([near[:, 0], near[:, 1], 1.0 - near[:, 0], 1.0 - near[:, 1]])  # the centre along a side
     aside = np.column_stack([near[:, 1], 1.0 - near[:, 0], 1.0 - near[:, 1], near[:, 0]])  # and away from its line
-    whole, fraction = _distance_to_lines(column, row, circle)
-    radius = math.floor(circle.radius)
-    # r - |distance|, whole pixels and fractions apart; r + |distance| cannot cancel.
-    depth = (radius - whole) + ((circle.radius - radius) - fraction)
-    discriminant = depth * (circle.radius + np.abs(aside))
+    # r - |aside| is exact where the two are close, which is where it matters, and r + |aside| cannot cancel.
+    discriminant = (radius - np.abs(aside)) * (radius + np.abs(aside))
     meets = discriminant > 0.0
     root = np.sqrt(np.where(meets, discriminant, 0.0))
     # Roots of t^2 - 2 ahead t + power: the larger one in size first, the other from their product.
@@ -135,16 +132,6 @@ def _inside(power: Array, near: Array, column: Index, row: Index, circle: Circle
     to = np.where(following <= 0.0, 1.0, np.clip(leave, 0.0, 1.0))
     crossed = (power <= 0.0) | (following <= 0.0) | (meets & (enter < 1.0) & (leave > 0.0))
     return from_, to, crossed & (to > from_)
-
-
-def _distance_to_lines(column: Index, row: Index, circle: Circle) -> tuple[Array, Array]:
-    """|centre - line| of the lines of the sides (n, 4): its whole part and the rest, exactly, as a signed pair."""
-    x, y = math.floor(circle.x), math.floor(circle.y)
-    fx, fy = circle.x - x, circle.y - y
-    whole = np.column_stack([y - row, x - column - 1, y - row - 1, x - column]).astype(np.float64)
-    fraction = np.broadcast_to(np.array([fy, fx, fy, fx]), whole.shape)
-    sign = np.where(whole + fraction < 0.0, -1.0, 1.0)
-    return sign * whole, sign * fraction
 
 
 def _cross(a: Array, b: Array) -> Array:

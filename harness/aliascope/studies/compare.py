@@ -16,7 +16,7 @@ from aliascope.records import Estimate, Failure, ModeRow, Outcome, ReportData, S
 from aliascope.references import Reference
 from aliascope.references import files as reference_files
 from aliascope.report import write_report
-from aliascope.specs import family
+from aliascope.specs import family, label
 from aliascope.statistics import mean, root_mean_square
 from aliascope.store import Store
 from aliascope.studies.headlines import headlines
@@ -115,6 +115,7 @@ def _row(outcomes: Sequence[Outcome], folder: Path) -> ModeRow:
     return ModeRow(
         renderer=first.job.renderer,
         mode=first.job.mode,
+        label=label(spec),
         family=family(spec),
         samples_per_pixel=first.cost.samples_per_pixel,
         cpu_seconds=mean([outcome.cost.cpu_seconds for outcome in outcomes if outcome.cost]),
@@ -159,6 +160,7 @@ def _row_document(scene: str, row: ModeRow) -> dict[str, Any]:
         "scene": scene,
         "renderer": row.renderer,
         "mode": row.mode,
+        "label": row.label,
         "samples_per_pixel": row.samples_per_pixel,
         "pictures": row.pictures,
         "cpu_seconds": row.cpu_seconds.value,

@@ -14,10 +14,10 @@ TARGETS = (0.01, 0.02, 0.05, 0.1, 0.2)
 
 @dataclass(frozen=True)
 class Overall:
-    """One mode over all scenes that it drew: root mean square of its RMSE, mean CPU time of a picture."""
+    """One mode over several scenes: root mean square of its RMSE, mean CPU time of a picture."""
 
     renderer: str
-    mode: str
+    label: str
     rmse: float
     cpu_seconds: float
 
@@ -27,22 +27,28 @@ def headlines(scenes: Sequence[SceneSection]) -> tuple[str, ...]:
     return tuple(sentence for sentence in (_to_reach(scenes), _rates(scenes)) if sentence)
 
 
+def in_common(scenes: Sequence[SceneSection]) -> list[SceneSection]:
+    """The scenes that every renderer drew: others would favour the one that left out the hard ones."""
+    drawn = [{row.renderer for row in scene.rows} for scene in scenes]
+    every = set().union(*drawn)
+    return [scene for scene, renderers in zip(scenes, drawn, strict=True) if renderers == every]
+
+
 def over_all(scenes: Sequence[SceneSection]) -> list[Overall]:
-    """The modes that drew every scene that their renderer drew at all."""
+    """The modes that drew each of these scenes."""
     drawn: dict[tuple[str, str], list[ModeRow]] = {}
     for scene in scenes:
         for row in scene.rows:
-            drawn.setdefault((row.renderer, row.mode), []).append(row)
-    most = {renderer: max(len(rows) for (name, _), rows in drawn.items() if name == renderer) for renderer, _ in drawn}
+            drawn.setdefault((row.renderer, row.label), []).append(row)
     return [
         Overall(
             renderer,
-            mode,
+            label,
             math.sqrt(sum(_value(row.metrics["rmse"]) ** 2 for row in rows) / len(rows)),
             sum(_value(row.cpu_seconds) for row in rows) / len(rows),
         )
-        for (renderer, mode), rows in drawn.items()
-        if len(rows) == most[renderer]
+        for (renderer, label), rows in drawn.items()
+        if len(rows) == len(scenes)
     ]
 
 
@@ -52,23 +58,23 @@ def _value(estimate: Estimate) -> float:
 
 
 def _to_reach(scenes: Sequence[SceneSection]) -> str:
-    modes = over_all(scenes)
-    renderers = list(dict.fromkeys(mode.renderer for mode in modes))
+    common = in_common(scenes)
+    modes = over_all(common)
     target = next((t for t in TARGETS if any(mode.rmse <= t for mode in modes)), None)
     if target is None:
         return ""
     parts = []
-    for renderer in renderers:
+    for renderer in dict.fromkeys(mode.renderer for mode in modes):
         own = [mode for mode in modes if mode.renderer == renderer]
         able = [mode for mode in own if mode.rmse <= target]
         if able:
             fastest = min(able, key=lambda mode: mode.cpu_seconds)
-            parts.append(f"{renderer} {fastest.mode} takes {_seconds(fastest.cpu_seconds)}")
+            parts.append(f"{renderer} {_seconds(fastest.cpu_seconds)} ({fastest.label})")
         else:
             best = min(own, key=lambda mode: mode.rmse)
-            parts.append(f"{renderer} cannot (its best is {best.rmse:.2g}, {best.mode})")
-    over = "this scene" if len(scenes) == 1 else f"these {len(scenes)} scenes"
-    return f"To reach an RMSE of {target:g} over {over}: {'; '.join(parts)} of CPU time a picture."
+            parts.append(f"{renderer} cannot (its best is {best.rmse:.2g}, {best.label})")
+    over = f"the scene {common[0].name}" if len(common) == 1 else f"{len(common)} scenes"
+    return f"CPU time a picture to reach an RMSE of {target:g} over {over}: {'; '.join(parts)}."
 
 
 def _seconds(seconds: float) -> str:
@@ -88,10 +94,11 @@ def _rates(scenes: Sequence[SceneSection]) -> str:
         return ""
     parts = [
         f"N^{average:.2f} ({family.removeprefix('uniform ')}"
-        + (f", {lowest:.2f} to {highest:.2f} from scene to scene)" if lowest != highest else ")")
+        + (f", {lowest:.2f} to {highest:.2f})" if f"{lowest:.2f}" != f"{highest:.2f}" else ")")
         for average, lowest, highest, family in shown
     ]
-    return f"In the tracer the error falls with the samples a pixel as {'; '.join(parts)}."
+    spread = ", the mean over scenes and its range" if len(scenes) > 1 else ""
+    return f"In the tracer the error falls with the samples a pixel as{spread}: {'; '.join(parts)}."
 
 
 def by_family(rows: Iterable[ModeRow]) -> dict[str, list[ModeRow]]:

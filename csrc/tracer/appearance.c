@@ -1,0 +1,76 @@
+/* View, materials and lights: copied, checked, moved to the camera. */
+#include <stdlib.h>
+
+#include "scene.h"
+
+void tracer_to_camera_direction(const asc_view *view, const double world[3], double camera[3]) {
+  camera[0] = dot(world, view->right);
+  camera[1] = dot(world, view->up);
+  camera[2] = dot(world, view->forward);
+}
+
+void tracer_to_camera(const asc_view *view, const double world[3], double camera[3]) {
+  const double moved[3] = {world[0] - view->eye[0], world[1] - view->eye[1], world[2] - view->eye[2]};
+  tracer_to_camera_direction(view, moved, camera);
+}
+
+static asc_status take_view(tracer *made, const asc_view *view, asc_error *error) {
+  made->view = *view;
+  if (view->width < 1 || view->height < 1 || view->width > 16384 || view->height > 16384)
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "a picture has 1 to 16384 pixels a side, not %u x %u", view->width,
+                    view->height);
+  if (!finite3(view->eye) || !finite3(view->right) || !finite3(view->up) || !finite3(view->forward) ||
+      !finite3(view->background) || !(view->half_width > 0.0) || !(view->half_height > 0.0) ||
+      !isfinite(view->half_width) || !isfinite(view->half_height))
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "the view has a number that is not finite, or no extent");
+  return ASC_OK;
+}
+
+static asc_status take_materials(tracer *made, const asc_scene *scene, asc_error *error) {
+  made->material_count = scene->material_count;
+  made->materials = calloc(scene->material_count + 1, sizeof *made->materials);
+  if (!made->materials) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
+  for (size_t i = 0; i < scene->material_count; i++) {
+    asc_material *material = &made->materials[i];
+    *material = scene->materials[i];
+    asc_pattern *pattern = &material->pattern;
+    if (!finite3(material->emission) || !finite3(material->albedo) || !finite3(pattern->origin) ||
+        !finite3(pattern->low) || !finite3(pattern->high) || !isfinite(pattern->scale))
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "material %zu has a number that is not finite", i);
+    if (pattern->kind == ASC_PATTERN_NONE) continue;
+    made->plain = 0;
+    for (int axis = 0; axis < 3; axis++) pattern->origin[axis] -= scene->view.eye[axis];
+  }
+  return ASC_OK;
+}
+
+static asc_status take_lights(tracer *made, const asc_scene *scene, asc_error *error) {
+  made->light_count = scene->light_count;
+  made->lights = calloc(scene->light_count + 1, sizeof *made->lights);
+  if (!made->lights) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
+  for (size_t i = 0; i < scene->light_count; i++) {
+    asc_light *light = &made->lights[i];
+    *light = scene->lights[i];
+    made->plain = 0;
+    if (!finite3(light->place) || !finite3(light->intensity))
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu has a number that is not finite", i);
+    if (light->kind == ASC_LIGHT_POINT) {
+      tracer_to_camera(&made->view, scene->lights[i].place, light->place);
+      continue;
+    }
+    tracer_to_camera_direction(&made->view, scene->lights[i].place, light->place);
+    const double length = sqrt(dot(light->place, light->place));
+    if (!(length > 0.0) || !isfinite(length))
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu has no direction", i);
+    for (int axis = 0; axis < 3; axis++) light->place[axis] /= -length;
+  }
+  return ASC_OK;
+}
+
+asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_error *error) {
+  made->plain = scene->plane_count == 0;
+  asc_status status = take_view(made, &scene->view, error);
+  if (status == ASC_OK) status = take_materials(made, scene, error);
+  if (status == ASC_OK) status = take_lights(made, scene, error);
+  return status;
+}

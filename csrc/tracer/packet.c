@@ -1,0 +1,59 @@
+#include "packet.h"
+
+void packet_begin(packet *rays) {
+  rtcInitIntersectContext(&rays->context);
+  rays->context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+}
+
+/* Rays through the lanes' samples. Perspective: from the eye, t is the depth; orthographic: from the eye's plane. */
+static void make_rays(const asc_view *view, packet *rays) {
+  struct RTCRay16 *ray = &rays->rays.ray;
+  struct RTCHit16 *hit = &rays->rays.hit;
+  const double step_x = 2.0 * view->half_width / view->width, step_y = 2.0 * view->half_height / view->height;
+  float u[PACKET], v[PACKET];
+  for (int i = 0; i < PACKET; i++) {
+    u[i] = (float)(step_x * rays->sample_x[i] - view->half_width);
+    v[i] = (float)(view->half_height - step_y * rays->sample_y[i]);
+  }
+  const int perspective = view->projection == ASC_PERSPECTIVE;
+  for (int i = 0; i < PACKET; i++) {
+    ray->org_x[i] = perspective ? 0.0f : u[i];
+    ray->org_y[i] = perspective ? 0.0f : v[i];
+    ray->org_z[i] = 0.0f;
+    ray->dir_x[i] = perspective ? u[i] : 0.0f;
+    ray->dir_y[i] = perspective ? v[i] : 0.0f;
+    ray->dir_z[i] = 1.0f;
+    ray->tnear[i] = 0.0f;
+    ray->tfar[i] = INFINITY;
+    ray->time[i] = 0.0f;
+    ray->mask[i] = UINT32_MAX;
+    ray->flags[i] = 0;
+    hit->geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    hit->instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+}
+
+static void take_emission(const tracer *made, packet *rays) {
+  const struct RTCHit16 *hit = &rays->rays.hit;
+  for (uint32_t i = 0; i < rays->lanes; i++) {
+    const double *from = made->view.background;
+    if (hit->geomID[i] != RTC_INVALID_GEOMETRY_ID)
+      from = made->materials[made->material_of[hit->geomID[i]][hit->primID[i]]].emission;
+    for (int channel = 0; channel < 3; channel++) rays->radiance[i][channel] = from[channel];
+  }
+}
+
+void packet_trace(const tracer *made, packet *rays) {
+  for (uint32_t i = 0; i < PACKET; i++) {
+    rays->valid[i] = i < rays->lanes ? -1 : 0;
+    if (i < rays->lanes) continue;
+    rays->sample_x[i] = rays->sample_x[0]; /* not traced; but numbers, for the arithmetic */
+    rays->sample_y[i] = rays->sample_y[0];
+  }
+  make_rays(&made->view, rays);
+  rtcIntersect16(rays->valid, made->scene, &rays->context, &rays->rays);
+  if (made->plain)
+    take_emission(made, rays);
+  else
+    packet_shade(made, rays);
+}

@@ -1,0 +1,59 @@
+"""The sentences at the top of the report: computed, and right."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from aliascope.records import Estimate, ModeRow, SceneSection
+from aliascope.studies.headlines import headlines
+
+PIXELS = np.zeros((2, 2, 3), np.float32)
+
+
+def row(renderer: str, family: str, count: int, rmse: float, seconds: float) -> ModeRow:
+    return ModeRow(
+        renderer=renderer,
+        mode=f"{family}:n={count}",
+        label=f"{family}, n={count}",
+        family=family,
+        samples_per_pixel=count,
+        cpu_seconds=Estimate(seconds),
+        metrics={"rmse": Estimate(rmse, 0.0)},
+        pictures=1,
+        pixels=PIXELS,
+    )
+
+
+def section(name: str, *rows: ModeRow) -> SceneSection:
+    return SceneSection(name, name, "", PIXELS, "exact", rows)
+
+
+def tracer(scale: float) -> list[ModeRow]:
+    return [row("embree", "uniform random", n, scale * n**-0.5, 1e-3 * n) for n in (4, 16, 64)]
+
+
+def test_the_fastest_that_reaches_the_target_is_named_and_who_cannot() -> None:
+    scene = section("one", *tracer(0.05), row("povray", "am1", 3, 0.009, 2.5), row("osmesa", "msaa", 4, 0.034, 0.001))
+    first, second = headlines([scene])
+    assert first == (
+        "CPU time a picture to reach an RMSE of 0.01 over the scene one: embree 64 ms (uniform random, n=64); "
+        "povray 2.5 s (am1, n=3); osmesa cannot (its best is 0.034, msaa, n=4)."
+    )
+    assert second == "In the tracer the error falls with the samples a pixel as: N^-0.50 (random)."
+
+
+def test_scenes_are_joined_by_the_mean_square_and_only_those_that_all_drew_count() -> None:
+    both = [row("povray", "am1", 3, error, 1.0) for error in (0.002, 0.016)]  # root of the mean square: 0.0114
+    scenes = [
+        section("a", *tracer(0.1), both[0]),
+        section("b", *tracer(0.1), both[1]),
+        section("c", row("embree", "uniform random", 64, 0.5, 1.0)),
+    ]
+    (first, *_) = headlines(scenes)
+    assert first.startswith("CPU time a picture to reach an RMSE of 0.02 over 2 scenes: embree 64 ms")
+    assert "povray 1 s (am1, n=3)" in first
+
+
+def test_nothing_is_said_of_nothing() -> None:
+    assert headlines([]) == ()
+    assert headlines([section("a", row("osmesa", "none", 1, 0.9, 1.0))]) == ()
