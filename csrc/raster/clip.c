@@ -6,16 +6,11 @@ enum { PLANE_COUNT = 5 };
 
 static double inside_by(const clip_vertex *v, int plane, const clip_volume *volume) {
   switch (plane) {
-  case 0:
-    return volume->guard_x * v->weight + v->x;
-  case 1:
-    return volume->guard_x * v->weight - v->x;
-  case 2:
-    return volume->guard_y * v->weight + v->y;
-  case 3:
-    return volume->guard_y * v->weight - v->y;
-  default:
-    return v->depth - volume->nearest;
+  case 0: return volume->guard_x * v->weight + v->x;
+  case 1: return volume->guard_x * v->weight - v->x;
+  case 2: return volume->guard_y * v->weight + v->y;
+  case 3: return volume->guard_y * v->weight - v->y;
+  default: return v->depth - volume->nearest;
   }
 }
 

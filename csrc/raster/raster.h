@@ -6,8 +6,8 @@
  *
  * Triangles are cut out by the rasteriser, which snaps corners to 1/256 pixel: an edge is seen within .004 pixel in one
  * pass, and within .0014 in the mean of passes over the pixel. Discs and spheres are cut out by the shader at the place
- * of each sample, exactly. Patterns are evaluated once a pixel and pass, at the centre of the pixel as the pass is moved,
- * with multisampling too, which therefore smooths outlines only.
+ * of each sample, exactly. Patterns are evaluated once a pixel and pass, at the centre of the pixel as the pass is
+ * moved, with multisampling too, which therefore smooths outlines only.
  *
  * A part of a triangle that lies nearer to the plane of a perspective eye than 2^-40 of the triangle's largest
  * coordinate is not drawn. With multisampling depths of triangles are told apart by 2^-23 of the depth of what lies

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from aliascope.model import Disc, Polygon, Scene, Sphere, Vector
+from aliascope.model import Disc, LoadedMesh, Plane, Polygon, Scene, Sphere, Vector
 
 Array = NDArray[np.float64]
 
@@ -111,7 +111,8 @@ def triangulate(polygon: Polygon) -> Array:
 class Surfaces:
     """A scene's surfaces as arrays; materials by index into `materials`, its names in order of first use.
 
-    triangles (n, 3, 3), triangle_material (n,); discs and spheres as the scene states them.
+    triangles (n, 3, 3), triangle_material (n,); discs (centre, normal, radius, material), spheres (centre, radius,
+    material) and planes (point, normal, material) as the scene states them.
     """
 
     materials: tuple[str, ...]
@@ -119,6 +120,7 @@ class Surfaces:
     triangle_material: NDArray[np.uint32]
     discs: tuple[tuple[Vector, Vector, float, int], ...]
     spheres: tuple[tuple[Vector, float, int], ...]
+    planes: tuple[tuple[Vector, Vector, int], ...]
 
 
 def surfaces_of(scene: Scene) -> Surfaces:
@@ -129,9 +131,10 @@ def surfaces_of(scene: Scene) -> Surfaces:
     material: list[NDArray[np.uint32]] = []
     discs: list[tuple[Vector, Vector, float, int]] = []
     spheres: list[tuple[Vector, float, int]] = []
+    planes: list[tuple[Vector, Vector, int]] = []
     for surface in scene.surfaces:
         number = index[surface.material]
-        match surface:
+        match surface:  # a mesh was read with its file
             case Polygon():
                 pieces = triangulate(surface)
                 triangles.append(pieces)
@@ -140,12 +143,16 @@ def surfaces_of(scene: Scene) -> Surfaces:
                 discs.append((centre, normal, radius, number))
             case Sphere(centre=centre, radius=radius):
                 spheres.append((centre, radius, number))
-            case _:
-                raise ValueError(f"a {surface.type} has no arrays")
+            case Plane(point=point, normal=normal):
+                planes.append((point, normal, number))
+            case LoadedMesh(triangles=pieces):
+                triangles.append(pieces)
+                material.append(np.full(len(pieces), number, np.uint32))
     return Surfaces(
         materials=names,
         triangles=np.concatenate(triangles) if triangles else np.zeros((0, 3, 3)),
         triangle_material=np.concatenate(material) if material else np.zeros(0, np.uint32),
         discs=tuple(discs),
         spheres=tuple(spheres),
+        planes=tuple(planes),
     )

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 LARGEST_SIDE = 16384
@@ -129,8 +132,21 @@ class Polygon(Surface):
 
 
 class Mesh(Surface):
+    """A mesh as a scene file states it: the name of a file beside it."""
+
     type: Literal["mesh"]
-    file: str
+    file: Annotated[str, Field(min_length=1, max_length=255)]
+
+
+class LoadedMesh(Surface):
+    """A mesh as it was read, in the place of its `Mesh`: (n, 3, 3) float64, world coordinates. The hash of its file
+    stands for the triangles in the scene's digest."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+    type: Literal["mesh"] = "mesh"
+    sha256: str
+    triangles: Annotated[NDArray[np.float64], Field(exclude=True)]
 
 
 class Sphere(Surface):
@@ -211,7 +227,13 @@ class Scene(Part):
     camera: Camera
     materials: dict[str, Material]
     surfaces: Annotated[tuple[AnySurface, ...], Field(max_length=1_000_000)] = ()
+    """Of these, each `Mesh` becomes a `LoadedMesh` when the file is read; nothing else is given one."""
     lights: tuple[AnyLight, ...] = ()
+
+    def with_meshes(self, loaded: Mapping[int, LoadedMesh]) -> Scene:
+        """The scene with the surfaces of these numbers replaced."""
+        surfaces = tuple(loaded.get(number, surface) for number, surface in enumerate(self.surfaces))
+        return self.model_copy(update={"surfaces": surfaces})
 
     def features(self) -> frozenset[str]:
         """What the scene asks of a renderer, read off its contents: "disc", "zone-plate", "lens", "point light"..."""

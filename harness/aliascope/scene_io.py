@@ -11,10 +11,10 @@ from typing import Any, get_args
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from aliascope import model, places
+from aliascope import meshes, model, places
 from aliascope.errors import InvalidInput, near_misses
 from aliascope.geometry import triangulate
-from aliascope.model import Part, Polygon, Scene
+from aliascope.model import LoadedMesh, Mesh, Part, Polygon, Scene
 
 LARGEST_FILE = 64 << 20
 
@@ -69,7 +69,24 @@ def load_file(path: Path) -> SceneFile:
         more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
         raise InvalidInput(_message(path, lines, details[0]) + more) from error
     _check_surfaces(path, lines, scene)
-    return SceneFile(path.stem, path, scene)
+    return SceneFile(path.stem, path, scene.with_meshes(_meshes(path, lines, scene)))
+
+
+def _meshes(path: Path, lines: dict[Path_, int], scene: Scene) -> dict[int, LoadedMesh]:
+    """The meshes of a scene by the number of their surface; their files lie in its folder or below."""
+    loaded: dict[int, LoadedMesh] = {}
+    for index, surface in enumerate(scene.surfaces):
+        if isinstance(surface, Mesh):
+            try:
+                file = meshes.within(path.parent, surface.file)
+                sha256, triangles = meshes.load(file)
+            except InvalidInput as error:
+                line = _line(lines, ("surfaces", index, "file"))
+                raise InvalidInput(f"{path}:{line}: surfaces.file: {error}") from error
+            loaded[index] = LoadedMesh(
+                material=surface.material, motion=surface.motion, sha256=sha256, triangles=triangles
+            )
+    return loaded
 
 
 def _check_surfaces(path: Path, lines: dict[Path_, int], scene: Scene) -> None:

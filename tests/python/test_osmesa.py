@@ -208,8 +208,8 @@ def test_an_edge_of_one_in_eight_is_where_it_is(along: int, text: str) -> None:
         pixels = render(scene_of([{"type": "polygon", "points": points}]), text).pixels[..., 0]
         covered, across = pixels.sum(dtype=np.float64), (16, 12)[along]
         errors.append((12, 16)[along] / 2 - covered / across - at)
-    # The bias of raster.c, .0014 at most, and the pattern's own: the mean of Halton's 256 points lies up to .007 from the
-    # middle of the pixel, Sobol's .002 in x and in y. A hundredth of a pixel holds both.
+    # The bias of raster.c, .0014 at most, and the pattern's own: the mean of Halton's 256 points lies up to .007 from
+    # the middle of the pixel, Sobol's .002 in x and in y. A hundredth of a pixel holds both.
     assert abs(np.mean(errors)) < 0.01
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from aliascope.geometry import frame_of, surfaces_of
-from aliascope.model import Material, Scene, ZonePlate
+from aliascope.model import AnyLight, Checker, DirectionalLight, Material, PointLight, Scene, ZonePlate
 
 
 def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]:
@@ -32,6 +32,8 @@ def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]
         _pack_material(ffi, target, scene.materials[name])
     discs = ffi.new("asc_disc[]", [(centre, normal, radius, m) for centre, normal, radius, m in surfaces.discs])
     spheres = ffi.new("asc_sphere[]", [(centre, radius, m) for centre, radius, m in surfaces.spheres])
+    planes = ffi.new("asc_plane[]", list(surfaces.planes))
+    lights = ffi.new("asc_light[]", [_light(ffi, light) for light in scene.lights])
     vertices = np.ascontiguousarray(surfaces.triangles)
     triangle_material = np.ascontiguousarray(surfaces.triangle_material)
     packed.materials, packed.material_count = materials, len(surfaces.materials)
@@ -40,16 +42,31 @@ def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]
     packed.triangle_count = len(vertices)
     packed.discs, packed.disc_count = discs, len(surfaces.discs)
     packed.spheres, packed.sphere_count = spheres, len(surfaces.spheres)
-    return packed, [materials, discs, spheres, vertices, triangle_material]
+    packed.planes, packed.plane_count = planes, len(surfaces.planes)
+    packed.lights, packed.light_count = lights, len(scene.lights)
+    return packed, [materials, discs, spheres, planes, lights, vertices, triangle_material]
+
+
+def _light(ffi: Any, light: AnyLight) -> dict[str, Any]:
+    kinds = ffi.typeof("asc_light_kind").relements
+    inverse_square = int(light.falloff == "inverse-square")
+    match light:
+        case PointLight(position=place):
+            kind = kinds["ASC_LIGHT_POINT"]
+        case DirectionalLight(direction=place):
+            kind = kinds["ASC_LIGHT_DIRECTIONAL"]
+        case _:
+            raise ValueError(f"a {light.type} light has no arrays")
+    return {"kind": kind, "place": place, "intensity": light.intensity, "inverse_square": inverse_square}
 
 
 def _pack_material(ffi: Any, target: Any, material: Material) -> None:
-    target.emission = list(material.emission)
+    target.emission, target.albedo = list(material.emission), list(material.albedo)
     kinds = ffi.typeof("asc_pattern_kind").relements
-    match material.pattern:
-        case ZonePlate(scale=scale, origin=origin, colours=(low, high)):
-            target.pattern.kind = kinds["ASC_PATTERN_ZONE_PLATE"]
-            target.pattern.scale, target.pattern.origin = scale, list(origin)
-            target.pattern.low, target.pattern.high = list(low), list(high)
-        case _:
-            target.pattern.kind = kinds["ASC_PATTERN_NONE"]
+    names = {ZonePlate: "ASC_PATTERN_ZONE_PLATE", Checker: "ASC_PATTERN_CHECKER"}
+    if material.pattern is None:
+        target.pattern.kind = kinds["ASC_PATTERN_NONE"]
+        return
+    target.pattern.kind = kinds[names[type(material.pattern)]]
+    target.pattern.scale, target.pattern.origin = material.pattern.scale, list(material.pattern.origin)
+    target.pattern.low, target.pattern.high = (list(colour) for colour in material.pattern.colours)

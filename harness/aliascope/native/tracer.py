@@ -26,13 +26,14 @@ def embree_version() -> str:
 
 @dataclass(frozen=True)
 class TracerCost:
-    """Of one picture: all samples and primary rays; CPU time of the rendering threads, without `build_cpu_seconds`."""
+    """Of one picture: all samples, primary and shadow rays; CPU time of the rendering threads, without `build_cpu_seconds`."""
 
     samples: int
     primary_rays: int
     cpu_seconds: float
     wall_seconds: float
     build_cpu_seconds: float
+    shadow_rays: int
 
 
 class Tracer:
@@ -58,5 +59,5 @@ class Tracer:
         cost, box = library.ffi.new("tracer_cost *"), error_box(library.ffi)
         target = library.ffi.from_buffer("float[]", pixels)
         check(library, library.lib.tracer_render(self._handle, desc, target, cost, box), box)
-        figures = (cost.samples, cost.primary_rays, cost.cpu_seconds, cost.wall_seconds, cost.build_cpu_seconds)
-        return pixels, TracerCost(*figures)
+        names = ("samples", "primary_rays", "cpu_seconds", "wall_seconds", "build_cpu_seconds", "shadow_rays")
+        return pixels, TracerCost(**{name: getattr(cost, name) for name in names})

@@ -24,7 +24,14 @@ class Embree:
     name = "embree"
     title = "Embree"
     modes: Mapping[str, Form] = {UNIFORM.name: UNIFORM}
-    draws = frozenset({"orthographic", "perspective", "polygon", "disc", "sphere", "zone-plate"})
+    draws = frozenset(
+        {
+            *("orthographic", "perspective"),
+            *("polygon", "mesh", "disc", "sphere", "plane"),
+            *("zone-plate", "checker"),
+            *("point light", "directional light"),
+        }
+    )
 
     def versions(self) -> Mapping[str, str]:
         return {"embree": tracer.embree_version()}
@@ -47,7 +54,7 @@ class Embree:
         cost = Cost(
             samples=first.samples,
             samples_per_pixel=float(count),
-            rays={"primary": first.primary_rays},
+            rays={"primary": first.primary_rays} | ({"shadow": first.shadow_rays} if request.scene.lights else {}),
             cpu_seconds=cpu_seconds / repeats,
             wall_seconds=wall_seconds / repeats,
             repeats=repeats,

@@ -1,0 +1,76 @@
+"""Mesh files, read with trimesh: triangles in double, checked before anything is drawn with them."""
+
+from __future__ import annotations
+
+import hashlib
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+
+from aliascope.errors import InvalidInput
+from aliascope.geometry import Array
+from aliascope.model import LARGEST_COORDINATE
+
+LARGEST_FILE = 256 << 20
+MOST_TRIANGLES = 4_000_000
+ENDINGS = (".obj", ".ply", ".stl", ".off", ".glb")
+
+
+def within(folder: Path, name: str) -> Path:
+    """The path of a mesh in a scene's folder or below. Raises InvalidInput for one that leads out of it."""
+    path = folder / name
+    if Path(name).is_absolute() or not path.resolve().is_relative_to(folder.resolve()):
+        raise InvalidInput(f'"{name}" leads out of the scene\'s folder; put the mesh beside the scene')
+    return path
+
+
+def load(path: Path) -> tuple[str, Array]:
+    """The SHA-256 of a mesh file and its triangles, (n, 3, 3) float64, in the file's own coordinates.
+
+    Raises InvalidInput for a file that is missing, too large, of an unknown kind, broken or empty, or that has a corner
+    which is not finite or a triangle without area.
+    """
+    if path.suffix.lower() not in ENDINGS:
+        raise InvalidInput(f'"{path.name}": a mesh is one of {", ".join(ENDINGS)}')
+    try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise InvalidInput(f'"{path.name}": a mesh file has at most {LARGEST_FILE >> 20} MiB')
+        data = path.read_bytes()
+    except OSError as error:
+        raise InvalidInput(f'"{path.name}": cannot be read: {error.strerror}') from error
+    triangles = _parse(data, path)
+    if len(triangles) > MOST_TRIANGLES:
+        raise InvalidInput(f'"{path.name}": has {len(triangles)} triangles, at most {MOST_TRIANGLES} are taken')
+    _check(triangles, path.name)
+    return hashlib.sha256(data).hexdigest(), triangles
+
+
+def _parse(data: bytes, path: Path) -> Array:
+    import trimesh  # takes half a second to load, and most scenes have no mesh
+
+    try:
+        mesh = trimesh.load(
+            BytesIO(data), file_type=path.suffix[1:].lower(), force="mesh", process=False, skip_materials=True
+        )
+        return np.array(mesh.triangles, dtype=np.float64)
+    except Exception as error:  # noqa: BLE001  # what a parser raises on a broken file is anything
+        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        raise InvalidInput(f'"{path.name}": is broken or empty: {reason}') from error
+
+
+def _check(triangles: Array, name: str) -> None:
+    if len(triangles) == 0:
+        raise InvalidInput(f'"{name}": has no triangles')
+    bad = ~(np.abs(triangles) <= LARGEST_COORDINATE).all(axis=(1, 2))
+    if bad.any():
+        number = int(np.argmax(bad))
+        raise InvalidInput(f'"{name}": triangle {number} has a corner that is not finite or beyond 1e30')
+    # Relative to the longest edge, so that the scale of a mesh does not matter.
+    edges = triangles - np.roll(triangles, 1, axis=1)
+    longest = np.abs(edges).max(axis=(1, 2))
+    scaled = edges / np.where(longest > 0.0, longest, 1.0)[:, np.newaxis, np.newaxis]
+    area = np.linalg.norm(np.cross(scaled[:, 0], scaled[:, 1]), axis=1)
+    flat = area < 1e-12
+    if flat.any():
+        raise InvalidInput(f'"{name}": triangle {int(np.argmax(flat))} has no area; {int(flat.sum())} such in all')
