@@ -194,8 +194,18 @@ class PointLight(Light):
 
 
 class DirectionalLight(Light):
+    """`direction` is the way in which the light travels."""
+
     type: Literal["directional"]
     direction: Vector
+
+    @model_validator(mode="after")
+    def _direction(self) -> DirectionalLight:
+        if not any(self.direction):
+            raise ValueError("direction must not be zero")
+        if self.falloff != "none":
+            raise ValueError("a directional light comes from no point, so it has no falloff")
+        return self
 
 
 class AreaLight(Light):
