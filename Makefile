@@ -33,10 +33,11 @@ RASTER_OBJECTS := $(call objects,raster)
 C_TESTS := $(patsubst tests/c/%.c,$(OBJECTS)/%,$(wildcard tests/c/test_*.c))
 C_BENCHES := $(patsubst tests/bench/%.c,$(OBJECTS)/%,$(wildcard tests/bench/bench_*.c))
 BINDINGS := $(BUILD)/bindings.stamp
+PLUGIN := $(BUILD)/plugins/kronecker.so
 
 ## all        install what is missing, build the libraries and the command .venv/bin/aliascope
 .PHONY: all
-all: $(BINDINGS)
+all: $(BINDINGS) $(PLUGIN)
 
 ## compare    render the quick profile and write the report
 .PHONY: compare
@@ -126,6 +127,13 @@ $(BINDINGS): $(NATIVE)/build.py $(HEADERS) $(ALL_LIBRARIES) $(BUILD)/venv.stamp
 	@$(call say,building)
 	@$(VENV)/bin/python $(NATIVE)/build.py $(BUILD)/bindings
 	@touch $@
+
+# --- example plugin -----------------------------------------------------------------------------------------------------
+
+$(BUILD)/plugins/%.so: csrc/plugins/%.c csrc/include/aliascope/*.h
+	@mkdir -p $(@D)
+	@$(call say,building)
+	@$(CC) -shared $(filter-out -fsanitize%,$(CFLAGS)) -Icsrc/include $< -o $@ -lm
 
 # --- C tests and benchmarks -------------------------------------------------------------------------------------------
 

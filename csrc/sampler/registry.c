@@ -39,8 +39,8 @@ static const asc_sampler_interface *interface_at(size_t index) {
 asc_status asc_sampler_describe(size_t index, asc_sampler_info *info) {
   if (!info || index >= asc_sampler_count()) return ASC_INVALID_ARGUMENT;
   const asc_sampler_interface *interface = interface_at(index);
-  *info = (asc_sampler_info){interface->name, interface->title, interface->source, interface->parameters,
-                             interface->parameter_count};
+  *info = (asc_sampler_info){interface->name,       interface->title,           interface->source,
+                             interface->parameters, interface->parameter_count, index >= BUILT_IN_COUNT};
   return ASC_OK;
 }
 
@@ -51,25 +51,23 @@ static const asc_sampler_interface *find(const char *name) {
 }
 
 static asc_status unknown_name(const char *name, asc_error *error) {
-  if (!error) return ASC_UNKNOWN_NAME;
   const char *names[BUILT_IN_COUNT + MOST_PLUGINS];
   for (size_t i = 0; i < asc_sampler_count(); i++) names[i] = interface_at(i)->name;
-  (void)asc_fail(error, ASC_UNKNOWN_NAME, "unknown sampler \"%s\"", name);
-  asc_near_misses(name, names, asc_sampler_count(), error->text, sizeof error->text);
-  return ASC_UNKNOWN_NAME;
+  return asc_spec_unknown("sampler", name, names, asc_sampler_count(), error);
 }
 
 /* Fills in interface, spec and the resolved numbers; `values` gets the spec's. */
 static asc_status resolve(asc_sampler *sampler, const asc_sampler_desc *desc, double values[MOST_PARAMETERS],
                           asc_error *error) {
   char name[ASC_SPEC_LENGTH];
-  asc_status status = asc_spec_name(desc->spec, name, error);
+  asc_status status = asc_spec_name(desc->spec, "sampler", name, error);
   if (status) return status;
   sampler->interface = find(name);
   if (!sampler->interface) return unknown_name(name, error);
-  status = asc_spec_values(desc->spec, sampler->interface, values, error);
+  const asc_spec_form form = {"sampler", name, sampler->interface->parameters, sampler->interface->parameter_count};
+  status = asc_spec_values(desc->spec, &form, values, error);
   if (status) return status;
-  status = asc_spec_canonical(sampler->interface, values, sampler->spec);
+  status = asc_spec_canonical(&form, values, sampler->spec);
   if (status) return asc_fail(error, status, "out of memory");
   sampler->resolved = (asc_sampler_desc){sizeof sampler->resolved, sampler->spec, desc->samples ? desc->samples : 1,
                                          desc->dimensions ? desc->dimensions : 2, desc->seed};
@@ -128,9 +126,12 @@ asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range *range, 
   asc_status status = sampler->interface->fill(sampler->made.state, range, points);
   if (status) return status;
   const size_t total = range->sample_count * range->dimension_count;
-  for (size_t i = 0; i < total; i++) /* would round to 1 as float */
-    points[i] = points[i] >= 1.0 - 0x1p-25 && points[i] < 1.0 ? 1.0 - 0x1p-24 : points[i];
-  return ASC_OK;
+  int outside = 0;
+  for (size_t i = 0; i < total; i++) {
+    outside |= !(points[i] >= 0.0 && points[i] < 1.0);
+    points[i] = points[i] >= 1.0 - 0x1p-25 ? 1.0 - 0x1p-24 : points[i]; /* would round to 1 as float */
+  }
+  return outside ? ASC_OUT_OF_RANGE : ASC_OK;
 }
 
 asc_status asc_sampler_weights(const asc_sampler *sampler, uint64_t first, size_t count, double *weights) {

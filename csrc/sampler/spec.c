@@ -7,13 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pattern.h"
-
-asc_status asc_spec_name(const char *spec, char name[ASC_SPEC_LENGTH], asc_error *error) {
+asc_status asc_spec_name(const char *spec, const char *kind, char name[ASC_SPEC_LENGTH], asc_error *error) {
   const size_t length = strcspn(spec, ":");
   if (strlen(spec) >= ASC_SPEC_LENGTH)
-    return asc_fail(error, ASC_INVALID_ARGUMENT, "a sampler's spec has at most %d characters", ASC_SPEC_LENGTH - 1);
-  if (length == 0) return asc_fail(error, ASC_INVALID_ARGUMENT, "the sampler's spec \"%s\" has no name", spec);
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "a %s's spec has at most %d characters", kind, ASC_SPEC_LENGTH - 1);
+  if (length == 0) return asc_fail(error, ASC_INVALID_ARGUMENT, "the %s's spec \"%s\" has no name", kind, spec);
   memcpy(name, spec, length);
   name[length] = '\0';
   return ASC_OK;
@@ -63,6 +61,14 @@ void asc_near_misses(const char *word, const char *const *names, size_t count, c
   }
 }
 
+asc_status asc_spec_unknown(const char *kind, const char *name, const char *const *names, size_t count,
+                            asc_error *error) {
+  if (!error) return ASC_UNKNOWN_NAME;
+  (void)asc_fail(error, ASC_UNKNOWN_NAME, "unknown %s \"%s\"", kind, name);
+  asc_near_misses(name, names, count, error->text, sizeof error->text);
+  return ASC_UNKNOWN_NAME;
+}
+
 static asc_status read_choice(const asc_parameter *parameter, const char *word, double *value) {
   const char *choice = parameter->choices;
   for (int index = 0; *choice; index++) {
@@ -76,53 +82,51 @@ static asc_status read_choice(const asc_parameter *parameter, const char *word, 
   return ASC_INVALID_VALUE;
 }
 
-static asc_status read_value(const char *sampler, const asc_parameter *parameter, const char *word, double *value,
+static asc_status read_value(const asc_spec_form *form, const asc_parameter *parameter, const char *word, double *value,
                              asc_error *error) {
   if (parameter->kind == ASC_CHOICE) {
     if (read_choice(parameter, word, value) == ASC_OK) return ASC_OK;
-    return asc_fail(error, ASC_INVALID_VALUE, "sampler \"%s\": %s=\"%s\" is none of %s", sampler, parameter->name, word,
-                    parameter->choices);
+    return asc_fail(error, ASC_INVALID_VALUE, "%s \"%s\": %s=\"%s\" is none of %s", form->kind, form->name,
+                    parameter->name, word, parameter->choices);
   }
   char *end = NULL;
   *value = strtod(word, &end);
   if (end == word || *end || !isfinite(*value) || (parameter->kind == ASC_INTEGER && *value != nearbyint(*value)))
-    return asc_fail(error, ASC_INVALID_VALUE, "sampler \"%s\": %s=\"%s\" is not %s number", sampler, parameter->name,
-                    word, parameter->kind == ASC_INTEGER ? "a whole" : "a");
+    return asc_fail(error, ASC_INVALID_VALUE, "%s \"%s\": %s=\"%s\" is not %s number", form->kind, form->name,
+                    parameter->name, word, parameter->kind == ASC_INTEGER ? "a whole" : "a");
   if (*value < parameter->minimum || *value > parameter->maximum)
-    return asc_fail(error, ASC_INVALID_VALUE, "sampler \"%s\": %s=%s lies outside [%g, %g]", sampler, parameter->name,
-                    word, parameter->minimum, parameter->maximum);
+    return asc_fail(error, ASC_INVALID_VALUE, "%s \"%s\": %s=%s lies outside [%g, %g]", form->kind, form->name,
+                    parameter->name, word, parameter->minimum, parameter->maximum);
   return ASC_OK;
 }
 
-static asc_status unknown_key(const asc_sampler_interface *interface, const char *key, asc_error *error) {
+static asc_status unknown_key(const asc_spec_form *form, const char *key, asc_error *error) {
   if (!error) return ASC_UNKNOWN_KEY;
   const char *names[64];
   size_t count = 0;
-  for (; count < interface->parameter_count && count < 64; count++) names[count] = interface->parameters[count].name;
-  (void)asc_fail(error, ASC_UNKNOWN_KEY, "sampler \"%s\": unknown key \"%s\"", interface->name, key);
+  for (; count < form->parameter_count && count < 64; count++) names[count] = form->parameters[count].name;
+  (void)asc_fail(error, ASC_UNKNOWN_KEY, "%s \"%s\": unknown key \"%s\"", form->kind, form->name, key);
   asc_near_misses(key, names, count, error->text, sizeof error->text);
   return ASC_UNKNOWN_KEY;
 }
 
-static asc_status read_pair(char *pair, const asc_sampler_interface *interface, double *values, uint64_t *seen,
-                            asc_error *error) {
+static asc_status read_pair(char *pair, const asc_spec_form *form, double *values, uint64_t *seen, asc_error *error) {
   char *equals = strchr(pair, '=');
   if (!equals || equals == pair || !equals[1])
-    return asc_fail(error, ASC_INVALID_VALUE, "sampler \"%s\": \"%s\" is not of the form key=value", interface->name,
+    return asc_fail(error, ASC_INVALID_VALUE, "%s \"%s\": \"%s\" is not of the form key=value", form->kind, form->name,
                     pair);
   *equals = '\0';
-  for (size_t i = 0; i < interface->parameter_count; i++) {
-    if (strcmp(interface->parameters[i].name, pair) != 0) continue;
+  for (size_t i = 0; i < form->parameter_count; i++) {
+    if (strcmp(form->parameters[i].name, pair) != 0) continue;
     if (*seen >> i & 1u)
-      return asc_fail(error, ASC_INVALID_VALUE, "sampler \"%s\": the key \"%s\" stands twice", interface->name, pair);
+      return asc_fail(error, ASC_INVALID_VALUE, "%s \"%s\": the key \"%s\" stands twice", form->kind, form->name, pair);
     *seen |= (uint64_t)1 << i;
-    return read_value(interface->name, &interface->parameters[i], equals + 1, &values[i], error);
+    return read_value(form, &form->parameters[i], equals + 1, &values[i], error);
   }
-  return unknown_key(interface, pair, error);
+  return unknown_key(form, pair, error);
 }
 
-static asc_status read_pairs(const char *spec, const asc_sampler_interface *interface, double *values,
-                             asc_error *error) {
+static asc_status read_pairs(const char *spec, const asc_spec_form *form, double *values, asc_error *error) {
   const char *rest = strchr(spec, ':');
   uint64_t seen = 0;
   while (rest) {
@@ -130,19 +134,19 @@ static asc_status read_pairs(const char *spec, const asc_sampler_interface *inte
     const size_t length = strcspn(++rest, ",");
     memcpy(pair, rest, length);
     pair[length] = '\0';
-    asc_status status = read_pair(pair, interface, values, &seen, error);
+    asc_status status = read_pair(pair, form, values, &seen, error);
     if (status) return status;
     rest = rest[length] == ',' ? rest + length : NULL;
   }
   return ASC_OK;
 }
 
-asc_status asc_spec_values(const char *spec, const asc_sampler_interface *interface, double *values, asc_error *error) {
-  for (size_t i = 0; i < interface->parameter_count; i++) values[i] = interface->parameters[i].fallback;
+asc_status asc_spec_values(const char *spec, const asc_spec_form *form, double *values, asc_error *error) {
+  for (size_t i = 0; i < form->parameter_count; i++) values[i] = form->parameters[i].fallback;
   locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
   if (!plain) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
   locale_t before = uselocale(plain);
-  asc_status status = read_pairs(spec, interface, values, error);
+  asc_status status = read_pairs(spec, form, values, error);
   (void)uselocale(before);
   freelocale(plain);
   return status;
@@ -170,18 +174,17 @@ static int by_name(const void *a, const void *b) {
   return strcmp((*(const asc_parameter *const *)a)->name, (*(const asc_parameter *const *)b)->name);
 }
 
-asc_status asc_spec_canonical(const asc_sampler_interface *interface, const double *values,
-                              char canonical[ASC_SPEC_LENGTH]) {
+asc_status asc_spec_canonical(const asc_spec_form *form, const double *values, char canonical[ASC_SPEC_LENGTH]) {
   const asc_parameter *sorted[64];
-  for (size_t i = 0; i < interface->parameter_count; i++) sorted[i] = &interface->parameters[i];
-  qsort(sorted, interface->parameter_count, sizeof *sorted, by_name);
+  for (size_t i = 0; i < form->parameter_count; i++) sorted[i] = &form->parameters[i];
+  qsort(sorted, form->parameter_count, sizeof *sorted, by_name);
   locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
   if (!plain) return ASC_OUT_OF_MEMORY;
   locale_t before = uselocale(plain);
-  (void)snprintf(canonical, ASC_SPEC_LENGTH, "%s", interface->name);
+  (void)snprintf(canonical, ASC_SPEC_LENGTH, "%s", form->kind, form->name);
   int shown = 0;
-  for (size_t i = 0; i < interface->parameter_count; i++) {
-    const double value = values[sorted[i] - interface->parameters];
+  for (size_t i = 0; i < form->parameter_count; i++) {
+    const double value = values[sorted[i] - form->parameters];
     if (value == sorted[i]->fallback) continue;
     char text[64];
     write_value(sorted[i], value, text, sizeof text);

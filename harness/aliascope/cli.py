@@ -42,8 +42,17 @@ def _root(
     version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
+    plugin: Annotated[
+        list[str] | None,
+        typer.Option(metavar="F.so", help="A sampler of yours; before or after the command, any number of times."),
+    ] = None,
 ) -> None:
     """Measures how well renderers antialias, and what that costs."""
+    if plugin:
+        from aliascope.native.samplers import load_plugin
+
+        for path in plugin:
+            load_plugin(path)
 
 
 def _size(text: str | None) -> tuple[int, int] | None:
@@ -282,10 +291,25 @@ def _dry_run(plan: Any, as_json: bool) -> None:
 # --- errors -----------------------------------------------------------------------------------------------------------
 
 
+def _plugins_first(words: list[str]) -> list[str]:
+    """The command line with each --plugin F.so before the command, where the option is declared."""
+    first: list[str] = []
+    rest: list[str] = []
+    while words:
+        word, *words = words
+        if word == "--":
+            return [*first, *rest, word, *words]
+        if word == "--plugin" and words:
+            first += [word, words.pop(0)]
+        else:
+            (first if word.startswith("--plugin=") else rest).append(word)
+    return [*first, *rest]
+
+
 def main() -> None:
     """Runs a command; ends with the exit code of the error's class, 2 for a command line that can't be read."""
     try:
-        app()
+        app(_plugins_first(sys.argv[1:]))
     except AliascopeError as problem:
         sys.exit(_complain(str(problem), problem.exit_code))
     except OSError as problem:

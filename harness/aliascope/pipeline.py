@@ -17,6 +17,7 @@ from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
 from aliascope import image, metrics, places, plan, renderers
 from aliascope.errors import AliascopeError, JobFailed, NotAvailable
+from aliascope.native import samplers
 from aliascope.records import EmptyCell, Job, Outcome, Pixels, Rendering
 from aliascope.renderers.base import LEAST_SECONDS, Renderer, Request, lacks
 from aliascope.scene_io import SceneFile
@@ -62,6 +63,8 @@ def code_digest() -> str:
     digest = hashlib.sha256()
     for path in sorted([*sources, *(here / "native" / "lib").glob("*.so")]):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    for _, sha256 in sorted(samplers.plugins().items()):
+        digest.update(sha256.encode())
     return digest.hexdigest()[:16]
 
 
@@ -152,6 +155,12 @@ def render_job(file: SceneFile, job: Job, options: Options) -> Timed:
     return Timed(rendering, time.perf_counter() - begun)
 
 
+def _begin_worker(plugins: list[str]) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
+    for plugin in plugins:
+        samplers.load_plugin(plugin)
+
+
 @contextmanager
 def _pool(processes: int) -> Iterator[ProcessPool]:
     """Workers that a crash or a time limit of one job leaves standing; started afresh, not forked, since the parent has
@@ -159,8 +168,8 @@ def _pool(processes: int) -> Iterator[ProcessPool]:
     pool = ProcessPool(
         max_workers=processes,
         context=multiprocessing.get_context("spawn"),
-        initializer=signal.signal,
-        initargs=(signal.SIGINT, signal.SIG_IGN),  # Ctrl-C is the parent's to handle
+        initializer=_begin_worker,
+        initargs=(list(samplers.plugins()),),
     )
     try:
         yield pool

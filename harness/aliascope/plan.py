@@ -85,6 +85,14 @@ def profile(name: str) -> Mapping[str, tuple[str, ...]]:
     return PROFILES[name]
 
 
+def with_samplers(modes: Mapping[str, tuple[str, ...]], names: Iterable[str]) -> dict[str, tuple[str, ...]]:
+    """A profile with the tracer's uniform modes of further samplers: those of plugins."""
+    own = dict(modes)
+    if "embree" in own:
+        own["embree"] += _uniform(*names)
+    return own
+
+
 def matching(patterns: Iterable[str], names: Iterable[str], what: str) -> list[str]:
     """The names that a pattern of the shell (*, ?, [abc]) matches, in their order. Raises InvalidInput for a pattern
     that matches none."""

@@ -46,7 +46,13 @@ typedef struct asc_sampler_interface {
   asc_status (*weights)(const void *state, uint64_t first, size_t count, double *weights); /* NULL: 1/N */
 } asc_sampler_interface;
 
-/* The one function that a plugin exports: `const void *asc_plugin_interface(uint32_t abi_version, const char *id)`. */
+#if defined(__GNUC__) && !defined(ASC_CDEF)
+#define ASC_PLUGIN_EXPORT __attribute__((visibility("default")))
+#else
+#define ASC_PLUGIN_EXPORT
+#endif
+
+/* The one function that a plugin exports, with ASC_PLUGIN_EXPORT: `const void *asc_plugin_interface(uint32_t abi_version, const char *id)`. */
 typedef const void *(*asc_plugin_interface_function)(uint32_t abi_version, const char *id);
 
 /* Loads a plugin and registers its sampler. ASC_PLUGIN where the file, its function, its ABI version or its table is

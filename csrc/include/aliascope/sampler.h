@@ -44,7 +44,7 @@ ASC_API asc_status asc_sampler_resolved(const asc_sampler *sampler, asc_sampler_
 
 /* Writes sample_count x dimension_count values to `points`. ASC_UNSUPPORTED past the last index of a net (2^32) or
  * sequence (2^53), or past the N of a pattern that is not a sequence; ASC_INVALID_ARGUMENT past the sampler's
- * dimensions. */
+ * dimensions; ASC_OUT_OF_RANGE where a plugin's pattern leaves [0, 1). */
 ASC_API asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range *range, double *points);
 
 /* Writes the weights of samples [first, first + count): those of a quadrature rule, else 1/N. */
@@ -73,6 +73,7 @@ typedef struct asc_sampler_info {
   const char *name, *title, *source;
   const asc_parameter *parameters;
   size_t parameter_count;
+  uint32_t plugged_in; /* 1: from a plugin */
 } asc_sampler_info;
 
 ASC_API size_t asc_sampler_count(void);

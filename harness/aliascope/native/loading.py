@@ -39,4 +39,5 @@ def check(compiled: Any, status: int, box: Any = None) -> None:
         return
     text = compiled.ffi.string(box.text).decode(errors="replace") if box is not None else ""
     name = str(compiled.ffi.typeof("asc_status").elements.get(status, "")).removeprefix("ASC_")
-    raise _EXCEPTIONS.get(name, JobFailed)(text or name.replace("_", " ").lower())
+    fallback = compiled.ffi.string(compiled.lib.asc_status_text(status)).decode()
+    raise _EXCEPTIONS.get(name, JobFailed)(text or fallback)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -99,6 +101,24 @@ def randomised(spec: str, n: int, dimensions: int = 2) -> bool:
     return Sampler(spec, n, dimensions).randomised
 
 
+_plugins: dict[str, str] = {}
+
+
+def load_plugin(path: str) -> None:
+    """Registers the sampler of a plugin; one that is loaded already stays. Raises InvalidInput."""
+    resolved = str(Path(path).resolve())
+    if resolved in _plugins:
+        return
+    library, box = _library(), error_box(_library().ffi)
+    check(library, library.lib.asc_plugin_load(resolved.encode(), box), box)
+    _plugins[resolved] = hashlib.sha256(Path(resolved).read_bytes()).hexdigest()
+
+
+def plugins() -> dict[str, str]:
+    """The plugins that are loaded: the SHA-256 of each by its path."""
+    return dict(_plugins)
+
+
 @dataclass(frozen=True)
 class SamplerInfo:
     """One line of `aliascope list samplers`; parameters as "key=default (help)"."""
@@ -107,6 +127,7 @@ class SamplerInfo:
     title: str
     source: str
     parameters: tuple[str, ...]
+    plugged_in: bool
 
 
 def registered() -> list[SamplerInfo]:
@@ -125,5 +146,5 @@ def registered() -> list[SamplerInfo]:
             entry = info.parameters[number]
             values = text(entry.choices) if entry.choices else f"{entry.minimum:g}..{entry.maximum:g}"
             parameters.append(f"{text(entry.name)}={values}: {text(entry.text)}")
-        found.append(SamplerInfo(text(info.name), text(info.title), text(info.source), tuple(parameters)))
+        found.append(SamplerInfo(text(info.name), text(info.title), text(info.source), tuple(parameters), bool(info.plugged_in)))
     return found

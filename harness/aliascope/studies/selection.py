@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from aliascope import pipeline, plan, renderers, scene_io
 from aliascope.errors import InvalidInput, SpecError, near_misses
+from aliascope.native import samplers
 from aliascope.pipeline import Plan
 from aliascope.specs import split
 
@@ -20,7 +21,8 @@ def plan_of(
     size: tuple[int, int] | None,
 ) -> Plan:
     """The plan of `aliascope compare`. Nothing named means all; renderers named must be there."""
-    own = plan.profile(profile)
+    plugged_in = [info.name for info in samplers.registered() if info.plugged_in]
+    own = plan.with_samplers(plan.profile(profile), plugged_in)
     names = plan.matching(chosen, renderers.RENDERERS, "renderer") if chosen else list(own)
     wanted = {name: list(own.get(name, ())) for name in names}
     if modes:

@@ -1,0 +1,125 @@
+"""A sampler of the user's, the user's way: install, copy the example, compile, load."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLE = ROOT / "csrc" / "plugins" / "kronecker.c"
+COMMAND = [sys.executable, "-m", "aliascope.cli"]
+
+
+def run(*arguments: str | Path, code: int = 0) -> subprocess.CompletedProcess[str]:
+    result = subprocess.run([*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False)
+    assert result.returncode == code, result.stdout + result.stderr
+    assert "Traceback" not in result.stderr
+    return result
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The prefix of `make install`."""
+    prefix = tmp_path_factory.mktemp("prefix")
+    subprocess.run(["make", "-C", ROOT, "--silent", "install", f"prefix={prefix}"], check=True, capture_output=True)
+    return prefix
+
+
+def compiled(folder: Path, prefix: Path, name: str, *changes: tuple[str, str]) -> Path:
+    """The example, changed, as a plugin of this name."""
+    text = EXAMPLE.read_text()
+    for old, new in (('.name = "kronecker"', f'.name = "{name}"'), *changes):
+        assert old in text
+        text = text.replace(old, new)
+    source = folder / f"{name}.c"
+    source.write_text(text)
+    environment = {**os.environ, "PKG_CONFIG_PATH": str(prefix / "lib" / "pkgconfig")}
+    flags = subprocess.run(
+        ["pkg-config", "--cflags", "aliascope"], capture_output=True, text=True, check=True, env=environment
+    ).stdout.split()
+    out = folder / f"{name}.so"
+    subprocess.run(["cc", "-shared", "-fPIC", "-O2", source, "-o", out, *flags, "-lm"], check=True)
+    return out
+
+
+def test_a_plugin_is_in_every_list_table_and_plot(tmp_path: Path, installed: Path) -> None:
+    plugin = compiled(tmp_path, installed, "mine")
+    points = np.loadtxt(
+        run("points", "mine:shift=0.25", "-n", "50", "--plugin", plugin).stdout.splitlines(), delimiter=","
+    )
+    expected = (0.25 + np.arange(50)[:, np.newaxis] * np.sqrt([2.0, 3.0])) % 1.0
+    assert np.abs(points - expected).max() < 1e-13  # 50 sqrt(3) < 87, half an ulp of which is 7e-15
+    listed = json.loads(run("--plugin", plugin, "list", "samplers", "--json").stdout)["samplers"]
+    assert "mine" in {entry["name"] for entry in listed}
+
+    out = tmp_path / "out"
+    mine = ("-m", "*sampler=mine*", "-m", "uniform:n=4,sampler=mine,sampler.shift=0.125")
+    document = json.loads(run("compare", "edge", *mine, "-o", out, f"--plugin={plugin}", "--json").stdout)
+    modes = {row["mode"]: row["metrics"]["rmse"] for row in document["rows"]}
+    assert set(modes) == {
+        "uniform:sampler=mine",
+        *(f"uniform:n={n},sampler=mine" for n in (1, 4, 64, 256)),
+        "uniform:n=4,sampler=mine,sampler.shift=0.125",
+    }
+    assert modes["uniform:n=256,sampler=mine"] < modes["uniform:n=4,sampler=mine"] / 4
+    assert "sampler=mine" in (out / "report.html").read_text()
+    assert "sampler=mine" in (out / "results.csv").read_text()
+
+    # Another build of the same name is another sampler: its pictures are made again.
+    (tmp_path / "again").mkdir()
+    changed = compiled(tmp_path / "again", installed, "mine", ("{2, 3, 5,", "{3, 2, 5,"))
+    again = json.loads(run("compare", "edge", *mine, "-o", out, "--plugin", changed, "--json").stdout)
+    assert (again["rendered"], again["reused"]) == (6, 0)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ((), "a sampler named"),
+        (("abi_version == ASC_ABI_VERSION", "abi_version == 99"), "build it against this version's headers"),
+        (("sizeof(asc_sampler_interface)", "8"), "too short or has gaps"),
+        ((".fill = fill,", ""), "too short or has gaps"),
+        (("ASC_PLUGIN_EXPORT const void *asc_plugin_interface", "const void *other"), "exports no"),
+        (('"shift", ASC_REAL, NULL', '"shift", ASC_CHOICE, NULL'), "lacks its name, text or choices"),
+    ],
+)
+def test_what_is_no_plugin_is_said(tmp_path: Path, installed: Path, change: tuple[str, str], words: str) -> None:
+    name = "halton" if not change else "mine"
+    changes = [change] if change else []
+    if words == "exports no":
+        changes.append(
+            (
+                "const void *asc_plugin_interface(uint32_t abi_version, const char *id) {",
+                "const void *other(uint32_t abi_version, const char *id) {",
+            )
+        )
+    plugin = compiled(tmp_path, installed, name, *changes)
+    lines = run("list", "samplers", "--plugin", plugin, code=2).stderr.splitlines()
+    assert len(lines) == 1
+    assert words in lines[0]
+    assert plugin.name in lines[0]
+
+
+def test_missing_plugins_and_files_that_are_no_libraries(tmp_path: Path) -> None:
+    (tmp_path / "text.so").write_text("no library")
+    for path in (tmp_path / "absent.so", tmp_path / "text.so"):
+        assert "cannot be loaded" in run("list", "samplers", "--plugin", path, code=2).stderr
+    run("list", "samplers", "--plugin", code=2)
+
+
+@pytest.mark.parametrize("value", ["1.0", "-0.001", "(0.0 / 0.0)", "(1.0 / 0.0)"])
+def test_values_outside_the_unit_interval_are_an_error(tmp_path: Path, installed: Path, value: str) -> None:
+    plugin = compiled(tmp_path, installed, "wild", ("value >= 1.0 ? value - 1.0 : value", value))
+    assert "outside [0, 1)" in run("points", "wild", "-n", "4", "--plugin", plugin, code=4).stderr
+    modes = ("-m", "uniform:sampler=wild", "-m", "uniform:n=1,sampler=regular")
+    out = run("compare", "edge", *modes, "-o", tmp_path / "out", "--plugin", plugin, "--json", code=4).stdout
+    document: dict[str, Any] = json.loads(out)
+    assert (document["pictures"], document["failed"]) == (1, 1)
+    assert "outside [0, 1)" in document["failures"][0]["message"]
