@@ -181,7 +181,7 @@ asc_status asc_spec_canonical(const asc_spec_form *form, const double *values, c
   locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
   if (!plain) return ASC_OUT_OF_MEMORY;
   locale_t before = uselocale(plain);
-  (void)snprintf(canonical, ASC_SPEC_LENGTH, "%s", form->kind, form->name);
+  (void)snprintf(canonical, ASC_SPEC_LENGTH, "%s", form->name);
   int shown = 0;
   for (size_t i = 0; i < form->parameter_count; i++) {
     const double value = values[sorted[i] - form->parameters];

@@ -151,6 +151,24 @@ def list_(
             typer.echo(f"    {key}")
 
 
+@app.command(epilog="Example: aliascope doctor")
+def doctor(as_json: Json = False) -> None:
+    """Say what is installed, and measure where each renderer has its pixels and whether its output is linear.
+
+    Ends with 1 where a renderer's pictures cannot be compared.
+    """
+    from aliascope.studies.doctor import examine, lines_of
+
+    document = examine()
+    if as_json:
+        _print_json(document)
+    else:
+        for line in lines_of(document):
+            typer.echo(line)
+    if not all(entry.get("holds", True) for entry in document["renderers"]):
+        raise typer.Exit(1)
+
+
 # --- render, error, reference -----------------------------------------------------------------------------------------
 
 

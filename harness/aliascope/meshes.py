@@ -50,9 +50,7 @@ def _parse(data: bytes, path: Path) -> Array:
     import trimesh  # takes half a second to load, and most scenes have no mesh
 
     try:
-        mesh = trimesh.load(
-            BytesIO(data), file_type=path.suffix[1:].lower(), force="mesh", process=False, skip_materials=True
-        )
+        mesh = trimesh.load_mesh(BytesIO(data), file_type=path.suffix[1:].lower(), process=False, skip_materials=True)
         return np.array(mesh.triangles, dtype=np.float64)
     except Exception as error:  # noqa: BLE001  # what a parser raises on a broken file is anything
         reason = " ".join(str(error).split())[:120] or type(error).__name__

@@ -263,6 +263,11 @@ class Scene(Part):
     def digest(self) -> str:
         """SHA-256, in hexadecimal, of what a picture of the scene depends on: not of its words, and a default that is
         written out counts as left out."""
-        contents = self.model_dump(mode="json", exclude={"title", "shows"}, exclude_defaults=True)
+        contents = self.model_dump(
+            mode="json",
+            exclude={"title", "shows"},
+            exclude_defaults=True,
+            serialize_as_any=True,  # a LoadedMesh stands where the schema has a Mesh
+        )
         text = json.dumps(contents, sort_keys=True, separators=(",", ":"), allow_nan=False)
         return hashlib.sha256(text.encode()).hexdigest()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -322,3 +323,30 @@ def test_without_references_a_compare_fails(tmp_path: Path) -> None:
     text = (places.SCENES / "discs.toml").read_text()
     scene.write_text(text.replace('type = "disc"', 'type = "sphere"'))
     assert "no exact reference" in complaint("compare", scene, "-m", "uniform", "-o", tmp_path / "out", code=2)
+
+
+# --- doctor -----------------------------------------------------------------------------------------------------------
+
+
+def test_doctor_measures_what_is_there(tmp_path: Path) -> None:
+    document = json.loads(run("doctor", "--json").stdout)
+    for entry in document["renderers"]:
+        assert entry["holds"]
+        assert max(map(abs, entry["centre"])) < 0.005
+        assert abs(entry["gain"] - 1) < 1e-4
+        assert abs(entry["gamma"] - 1) < 1e-4
+    assert run("doctor").stdout.count("pictures can be compared") == 3
+    without = json.loads(run("doctor", "--json", env=environment(tmp_path, alone=True)).stdout)
+    assert [entry["there"] for entry in without["renderers"]] == [True, False, True]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "option"), [("", "File_Gamma=1.1"), ("sed -i '/^camera/ s/}$/translate 0.03*x }/' scene.pov;", "")]
+)
+def test_doctor_finds_a_picture_that_is_bent_or_moved(tmp_path: Path, spoil: str, option: str) -> None:
+    """POV-Ray through a script that writes its file with a gamma, or moves its camera by 0.03 pixel."""
+    real = shutil.which("povray")
+    folder = fake_povray.install(tmp_path / "bin", f'[ -f scene.pov ] && {{ {spoil} :; }}; exec {real} "$@" {option}')
+    result = run("doctor", code=1, env=environment(folder))
+    assert result.stdout.count("PICTURES CANNOT BE COMPARED") == 1
+    assert result.stdout.count("pictures can be compared") == 2

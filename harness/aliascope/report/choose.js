@@ -9,6 +9,13 @@ function metricChooser() {
   return h("label", { class: "field" }, "Error as ", select);
 }
 
+/** "all 7 scenes", or of how many. */
+const scopeName = (() => {
+  const [pooled, all] = [documentData.pooledScenes.length, documentData.scenes.length];
+  if (all === 1) return `the scene ${documentData.scenes[0].name}`;
+  return pooled === all ? `all ${all} scenes` : `${pooled} of ${all} scenes`;
+})();
+
 /** The rows that are asked about, and what they are called. */
 function scopeRows() {
   const scene = currentScene();
@@ -28,7 +35,7 @@ function answer(rows, metric, asked) {
   if (!front.length) return { reason: rows.some((row) => row.missing.length) ? "lacks scenes" : "has no figures" };
   if (asked.time !== null) {
     const within = front.filter(({ time }) => time <= asked.time);
-    return within.length ? { row: within[within.length - 1].row } : { reason: `fastest takes ${figure(front[0].time)} s` };
+    return within.length ? { row: within[within.length - 1].row } : { reason: `fastest takes ${figure(front[0].time)}\u00a0s` };
   }
   const limit = metric.badness(asked.error);
   const found = front.find(({ badness }) => badness <= limit);
@@ -48,7 +55,7 @@ class Chooser {
     host.append(
       h("h3", {}, "Which one?"),
       h("div", { class: "questions" },
-        h("label", {}, this.timeRadio, h("span", {}, "I have"), this.time, h("span", {}, "CPU seconds a picture")),
+        h("label", {}, this.timeRadio, h("span", {}, "I have"), this.time, h("span", {}, "CPU s a picture")),
         h("label", {}, this.errorRadio, h("span", {}, "I need"), this.errorName, this.error),
         h("label", { class: "over" }, h("span", {}, "over"), this.over)),
       this.result,
@@ -88,11 +95,10 @@ class Chooser {
     if (!byError && document.activeElement !== this.time) this.time.value = String(asked.time);
     if (byError && document.activeElement !== this.error) this.error.value = String(asked.error);
     if (!byError) this.error.value = this.usualError(rows, metric, asked);
-    const all = documentData.scenes.length;
     this.over.replaceChildren(
-      h("option", { value: "all" }, all === 1 ? "the scene" : `all ${all} scenes`),
-      ...(all === 1 ? [] : [h("option", { value: "scene" }, state.scene)]));
-    this.over.value = all === 1 ? "all" : state.over;
+      h("option", { value: "all" }, scopeName),
+      ...(documentData.scenes.length === 1 ? [] : [h("option", { value: "scene" }, state.scene)]));
+    this.over.value = documentData.scenes.length === 1 ? "all" : state.over;
     this.result.replaceChildren(this.table(rows, metric, asked));
   }
 
@@ -120,7 +126,7 @@ class Chooser {
 
   line({ renderer, row, reason, best }, metric) {
     const name = h("th", { scope: "row" },
-      h("span", { class: "dot", "aria-hidden": "true" }), renderer, row ? [h("br"), spec(row.mode)] : null);
+      h("span", { class: "dot", "aria-hidden": "true" }), renderer, row ? [h("br"), modeName(row)] : null);
     name.querySelector(".dot").style.backgroundColor = colourOf(renderer);
     if (!row) return h("tr", { class: "none" }, name, h("td", { colspan: 2, class: "number" }, reason));
     return h("tr", { class: best ? "best" : null }, name,
@@ -150,7 +156,7 @@ function legend(host, plots) {
             }
           },
         },
-        marker({ renderer, family }), " ", spec(familyName(renderer, family)));
+        marker({ renderer, family }), " ", familyName(renderer, family));
       return h("li", {}, toggle);
     });
     const name = h("h4", {}, h("span", { class: "dot", "aria-hidden": "true" }), renderer);

@@ -29,7 +29,10 @@ class Controls {
     this.zoomText = h("output");
     this.scale = h("select", { "aria-label": "end of the error scale", change: () => this.setScale() });
     this.place = h("output", { class: "place" });
-    this.table = h("tbody");
+    this.values_ = h("tbody");
+    this.differences = h("tbody");
+    this.readout = h("div", { class: "readout" },
+      this.readTable("Linear values", this.values_), this.readTable("Difference from the reference", this.differences));
     this.node = h("div", { class: "controls" }, this.parts());
   }
 
@@ -46,17 +49,21 @@ class Controls {
           h("span", { class: "buttons" },
             button("−", "zoom out", () => viewer.zoomBy(-1)), button("+", "zoom in", () => viewer.zoomBy(1)),
             button("fit", "fit the picture", () => viewer.fit())), this.zoomText),
-        h("label", { class: "dial" }, h("span", {}, "errors to"), this.scale)),
-      h("table", { class: "readout" },
-        h("caption", {}, this.place, h("span", { class: "jump" }, "largest error of ",
-          button("A", "to the largest error of A", () => viewer.worst("a")), button("B", "to the largest error of B", () => viewer.worst("b")))),
-        h("thead", {}, h("tr", {}, h("th", { scope: "col" }, h("span", { class: "hidden" }, "linear value")),
-          ["R", "G", "B"].map((name) => h("th", { scope: "col", class: "number" }, name)))),
-        this.table),
+        h("label", { class: "dial" }, h("span", {}, "errors to"), this.scale),
+        h("div", { class: "dial" }, h("span", {}, "go to"),
+          h("span", { class: "buttons" },
+            button("worst of A", "to the largest error of A", () => viewer.worst("a")),
+            button("of B", "to the largest error of B", () => viewer.worst("b"))))),
       h("details", { class: "keys" }, h("summary", {}, "Keys"),
         h("dl", {}, helpOfKeys.map(([key, text]) => h("div", {}, h("dt", {}, h("kbd", {}, key)), h("dd", {}, text)))),
         h("p", { class: "note" }, "Arrows and space act while the pictures have the focus or the pointer.")),
     ];
+  }
+
+  readTable(title, body) {
+    const head = h("tr", {}, h("th", { scope: "col" }, title === "Linear values" ? this.place : h("span", { class: "hidden" }, "picture")),
+      ["R", "G", "B"].map((name) => h("th", { scope: "col", class: "number" }, name)));
+    return h("table", {}, h("caption", {}, title), h("thead", {}, head), body);
   }
 
   select(slot) {
@@ -68,13 +75,13 @@ class Controls {
     for (const node of Object.values(this.selects)) {
       const groups_ = documentData.renderers.map((renderer) => {
         const rows = scene.rows.filter((row) => row.renderer === renderer);
-        return rows.length ? h("optgroup", { label: renderer }, rows.map((row) => h("option", { value: identity(row) }, `${row.renderer} ${row.mode}`))) : null;
+        return rows.length ? h("optgroup", { label: renderer }, rows.map((row) => h("option", { value: identity(row) }, readable(row)))) : null;
       });
       node.replaceChildren(h("option", { value: referenceName }, "reference"), ...groups_.filter(Boolean));
     }
     const usual = scene.scale;
     const steps = scaleSteps.filter((step) => step !== usual);
-    this.scale.replaceChildren(h("option", { value: "" }, `±${figure(usual, 1)} (all modes)`), ...steps.map((step) => h("option", { value: String(step) }, `±${figure(step, 1)}`)));
+    this.scale.replaceChildren(h("option", { value: "" }, `±${roundFigure(usual)} (of the scene)`), ...steps.map((step) => h("option", { value: String(step) }, `±${roundFigure(step)}`)));
     this.filled = scene;
   }
 
@@ -98,15 +105,15 @@ class Controls {
     this.exposureText.textContent = `${state.exposure > 0 ? "+" : ""}${minus(String(state.exposure))} EV`;
     this.zoomText.textContent = `${layout.zoom}×`;
     if (state.scale && ![...this.scale.options].some((option) => option.value === String(state.scale))) {
-      this.scale.append(h("option", { value: String(state.scale) }, `±${figure(state.scale)}`));
+      this.scale.append(h("option", { value: String(state.scale) }, `±${roundFigure(state.scale)}`));
     }
     this.scale.value = state.scale ? String(state.scale) : "";
   }
 
   /** The linear values of a pixel, and what A and B are off by. */
-  read({ x, y, reference, a, b, rows }) {
+  read({ x, y, reference, a, b }) {
     this.values = { x, y, reference, a, b };
-    this.place.textContent = `Pixel (${x}, ${y})`;
+    this.place.textContent = `pixel (${x}, ${y})`;
     const chip = (values) => {
       const node = h("span", { class: "chip", "aria-hidden": "true" });
       node.style.backgroundColor = values.every(Number.isFinite)
@@ -117,13 +124,12 @@ class Controls {
       h("tr", { "data-read": key, class: signed ? "difference" : null }, h("th", { scope: "row" }, swatch, name),
         values.map((v) => h("td", { class: "number" }, pixelValue(v, signed))));
     const off = (values) => values.map((value, i) => value - reference[i]);
-    const lines = [line("ref", "reference", reference, false, chip(reference))];
-    for (const [slot, values] of [["a", a], ["b", b]]) {
-      const name = slot.toUpperCase();
-      lines.push(line(name, slot, values, false, chip(values)));
-      if (rows[slot]) lines.push(line(`${name} − ref`, `${slot}-error`, off(values), true, null));
-    }
-    this.table.replaceChildren(...lines);
+    this.values_.replaceChildren(
+      line("reference", "reference", reference, false, chip(reference)),
+      line("A", "a", a, false, chip(a)),
+      line("B", "b", b, false, chip(b)));
+    this.differences.replaceChildren(
+      ...[["a", a], ["b", b]].map(([slot, values]) => line(`${slot.toUpperCase()} − reference`, `${slot}-error`, off(values), true, null)));
   }
 
   /** Tells a screen reader the pixel that was walked to. */

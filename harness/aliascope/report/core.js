@@ -22,6 +22,14 @@ function spec(text) {
   return h("span", { class: "spec" }, parts.slice(0, -1));
 }
 
+/** A mode as people read it; its spec is what it is chosen by. */
+const modeName = (row) => {
+  const parts = row.label.split(/(?<=[,:])/).flatMap((part) => [part, h("wbr")]);
+  return h("span", { class: "mode-name", title: row.mode }, parts.slice(0, -1));
+};
+
+const readable = (row) => `${row.renderer} ${row.label}`;
+
 const identity = (row) => `${row.renderer} ${row.mode}`;
 
 // Colours and markers: a colour for each renderer, a shape for each family of it.
@@ -86,12 +94,16 @@ function figure(value, digits = 3) {
     : groups(rounded.toFixed(decimalsFor(value, digits)));
 }
 
+/** A round number, such as the end of a scale, without more digits than it has. */
+const roundFigure = (value) => (value < 1e-4 || value >= 1e6 ? scientific(value, 1) : String(Number(value.toPrecision(3))));
+
 /** The uncertainty of a figure, to its last digit or to one digit of its own where that is finer. */
 function uncertainty(value, error) {
   if (error === null || error === undefined) return "";
   if (error === 0) return "± 0";
   const power = exponent(error);
   if (power < -6 || power >= 7) return `± ${scientific(error, 1)}`;
+  if (power >= 1) return `± ${groups(Number(error.toPrecision(power >= 2 ? 1 : 2)).toFixed(0))}`;
   const own = Math.max(0, -power);
   const shared = value ? decimalsFor(value) : own;
   return `± ${error.toFixed(Math.min(Math.max(own, shared), own + 1))}`;
@@ -104,9 +116,9 @@ function pixelValue(value, signed = false) {
   const sign = value < 0 || Object.is(value, -0) ? "\u2212" : signed && value > 0 ? "+" : "";
   const size = Math.abs(value);
   if (size === 0) return signed ? "0" : `${sign}0`;
-  if (size < 1e-4 || size >= 1e6) return sign + scientific(size, 6);
-  const power = Math.floor(Math.log10(Number(size.toPrecision(6))));
-  return sign + size.toFixed(Math.max(0, 5 - power));
+  const digits = signed ? 5 : 6; // a difference has lost some
+  if (size < 1e-3 || size >= 1e6) return sign + size.toExponential(digits - 1).replace("-", "\u2212").replace("+", "");
+  return sign + size.toFixed(Math.max(0, digits - 1 - Math.floor(Math.log10(Number(size.toPrecision(digits))))));
 }
 
 /** Pads a column of figures with spaces of a digit's and a point's width, so that the points stand in line. */

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from aliascope.errors import InvalidInput
-from aliascope.records import Estimate, ModeRow, ReportData, SceneSection
+from aliascope.records import Estimate, ModeRow, Pixels, ReportData, SceneSection
 from aliascope.report.encode import PictureStore, error_map, error_scale, worst_pixel
-from aliascope.report.pool import Curve, curve_of, pool
+from aliascope.report.pool import Curve, curve_of, in_common, pool
 
 Json = Any
 
@@ -23,6 +23,7 @@ def document(data: ReportData, pictures: PictureStore) -> dict[str, Json]:
     Raises InvalidInput where a picture and its reference differ in size.
     """
     renderers = dict.fromkeys(row.renderer for scene in data.scenes for row in scene.rows)
+    common = in_common(data.scenes)
     families: dict[str, None] = {}
     for scene in data.scenes:
         families.update(dict.fromkeys(f"{row.renderer}\n{row.family}" for row in scene.rows))
@@ -31,7 +32,8 @@ def document(data: ReportData, pictures: PictureStore) -> dict[str, Json]:
         "renderers": list(renderers),
         "families": [family.split("\n", 1) for family in families],
         "scenes": [_scene(scene, data, pictures) for scene in data.scenes],
-        "pooled": [_curve(curve) for curve in pool(data.scenes)],
+        "pooledScenes": [scene.name for scene in common],
+        "pooled": [_curve(curve) for curve in pool(common)],
     }
 
 
@@ -67,7 +69,7 @@ def _scene(scene: SceneSection, data: ReportData, pictures: PictureStore) -> dic
     }
 
 
-def _size(pixels: np.ndarray) -> str:  # type: ignore[type-arg]  # any array: this is what is wrong with it
+def _size(pixels: Pixels) -> str:
     return " x ".join(str(side) for side in pixels.shape[1::-1] + pixels.shape[2:])
 
 
@@ -97,6 +99,7 @@ def _curve(curve: Curve) -> dict[str, Json]:
     return {
         "renderer": curve.renderer,
         "mode": curve.mode,
+        "label": curve.label,
         "family": curve.family,
         "spp": number(curve.samples_per_pixel),
         "cpu": _estimate(curve.cpu_seconds),

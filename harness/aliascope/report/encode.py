@@ -96,7 +96,7 @@ class PictureStore:
 
 
 def error_map(pixels: Pixels, reference: Pixels) -> NDArray[np.float64]:
-    """Signed error (height, width): the mean over the channels of picture - reference. NaN where either is not finite."""
+    """Signed error (height, width): the mean over the channels of picture - reference. NaN if not finite."""
     with np.errstate(invalid="ignore", over="ignore"):
         error: NDArray[np.float64] = (pixels.astype(np.float64) - reference.astype(np.float64)).mean(axis=2)
     return np.where(np.isfinite(error), error, np.nan)

@@ -121,18 +121,25 @@ function copyButtons() {
   }
 }
 
+/** Which scenes the overview leaves out, and why. */
+function leftOut() {
+  const names = documentData.scenes.map(({ name }) => name).filter((name) => !documentData.pooledScenes.includes(name));
+  if (!names.length) return [];
+  return [h("p", { class: "note" }, `Over the scenes that every renderer drew: without ${names.join(", ")}.`)];
+}
+
 function start() {
   copyButtons();
   if (!documentData.scenes.length) return;
   buildScenes(document.getElementById("scenes"));
   const overview = document.getElementById("overview-plot");
-  const count = documentData.scenes.length;
-  const pooled = new Plot(overview, documentData.pooled, count === 1 ? documentData.scenes[0].name : "all scenes");
+  const pooled = new Plot(overview, documentData.pooled, scopeName);
   plots.unshift(pooled);
-  overview.prepend(h("div", { class: "figure-head" }, h("h3", {}, count === 1 ? "Error against time" : `Error against time, all ${count} scenes`), metricChooser()));
+  overview.prepend(h("div", { class: "figure-head" }, h("h3", {}, `Error against time, ${scopeName}`), metricChooser()));
+  overview.append(...leftOut());
   new Chooser(document.getElementById("choose"));
   legend(document.getElementById("legend"), plots);
-  tables.push(new ModeTable(document.getElementById("pooled"), documentData.pooled, "Modes over all scenes", false));
+  tables.push(new ModeTable(document.getElementById("pooled"), documentData.pooled, `Modes over ${scopeName}`, false));
   plots.forEach((plot) => plot.draw());
   const viewer = new Viewer();
   onChange((changed) => update(changed, viewer));

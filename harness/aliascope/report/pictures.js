@@ -90,8 +90,8 @@ function paintPicture({ values, width, height }, exposure) {
 // Even steps of lightness in Oklab (Ottosson 2020) on both sides, so that no edge appears where the error has none.
 
 const neutral = [0.965, 0, 0];
-const darker = [[0.72, -0.035, -0.085], [0.48, -0.03, -0.13], [0.28, -0.01, -0.1]];
-const brighter = [[0.72, 0.095, 0.065], [0.48, 0.135, 0.075], [0.28, 0.085, 0.04]];
+const darker = [[0.76, -0.04, -0.085], [0.58, -0.04, -0.14], [0.4, -0.02, -0.15]];
+const brighter = [[0.76, 0.09, 0.065], [0.58, 0.15, 0.085], [0.4, 0.135, 0.075]];
 
 function oklabToBytes([L, a, b]) {
   const l = (L + 0.3963377774 * a + 0.2158037573 * b) ** 3;
@@ -161,8 +161,8 @@ function errorLegend(scale) {
   return h(
     "p",
     { class: "error-legend" },
-    h("span", { class: "end" }, `\u2212${figure(scale, 2)}`, h("small", {}, "darker")),
+    h("span", { class: "end" }, `\u2212${roundFigure(scale)}`, h("small", {}, "darker")),
     h("span", { class: "middle" }, bar, h("small", {}, "0")),
-    h("span", { class: "end" }, `+${figure(scale, 2)}`, h("small", {}, "brighter")),
+    h("span", { class: "end" }, `+${roundFigure(scale)}`, h("small", {}, "brighter")),
   );
 }

@@ -69,7 +69,7 @@ class Plot {
     const metric = metricOf(state.metric);
     this.metric = metric;
     this.width = this.host.clientWidth || 640;
-    this.height = clamp(Math.round(this.width * 0.56), 270, 470);
+    this.height = clamp(Math.round(this.width * 0.56), 330, 540);
     const sorted = this.sortRows(metric);
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
     this.svg.replaceChildren();
@@ -112,7 +112,7 @@ class Plot {
     return [
       hollow.length ? `Hollow: ${hollow.length} modes that lack a scene, left out of the front. ` : "",
       zero.length ? `On the lowest line: ${zero.length} without any error. ` : "",
-      without.length ? `Not shown, for want of a time or a ${metric.label}: ${without.map(identity).join("; ")}. ` : "",
+      without.length ? `Not shown, for want of a time or a ${metric.label}: ${without.map(readable).join("; ")}. ` : "",
     ].filter((text) => text).map((text) => h("span", {}, text));
   }
 
@@ -218,7 +218,7 @@ class Plot {
     for (const place of places) {
       const { row } = place;
       const colour = colourOf(row.renderer);
-      const label = `${identity(row)}: ${metricText(row, metric)}, ${figure(row.cpu[0])} CPU seconds`;
+      const label = `${readable(row)}: ${metricText(row, metric)}, ${figure(row.cpu[0])} CPU seconds`;
       place.node = s(
         "g",
         {
@@ -298,7 +298,7 @@ class Plot {
     const line = (name, value) => (value ? h("div", {}, h("dt", {}, name), h("dd", {}, value)) : null);
     const [value, error] = estimateOf(row, this.metric.name);
     this.tip.replaceChildren(
-      h("p", {}, marker(row), " ", h("b", {}, row.renderer), " ", spec(row.mode)),
+      h("p", {}, marker(row), " ", h("b", {}, row.renderer), " ", modeName(row)),
       h("dl", {},
         line(this.metric.title, `${figure(value)} ${uncertainty(value, error)}`),
         line("CPU seconds", `${figure(row.cpu[0])} ${uncertainty(...row.cpu)}`),

@@ -8,6 +8,7 @@ import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -17,12 +18,16 @@ from matplotlib.lines import Line2D
 
 from aliascope.records import Estimate, ReportData
 from aliascope.report.document import number
-from aliascope.report.pool import Curve, curve_of, efficiency, pareto_front, pool, usable
+from aliascope.report.pool import Curve, curve_of, efficiency, in_common, pareto_front, pool, usable
 
 OKABE_ITO: Mapping[str, str] = {"embree": "#0072B2", "povray": "#D55E00", "osmesa": "#009E73"}
 OTHERS = ("#CC79A7", "#E69F00", "#56B4E9")
 MARKERS = "os^DvpX*"
-_STYLE = {
+COLUMNS = (
+    *("renderer", "mode", "label", "family", "samples_per_pixel", "cpu_seconds", "cpu_seconds_standard_error"),
+    *("rmse", "rmse_standard_error", "efficiency", "on_pareto_front", "scenes_missing"),
+)
+_STYLE: dict[Any, Any] = {
     "text.parse_math": False,  # names are shown as they are, "$" included
     "font.family": ["sans-serif"],
     "font.size": 8,
@@ -55,7 +60,9 @@ def plots_of(data: ReportData) -> list[Plot]:
     taken: set[str] = set()
     if len(data.scenes) > 1:
         taken.add("all-scenes")
-        plots.append(Plot("all-scenes", f"All {len(data.scenes)} scenes", pool(data.scenes)))
+        common = in_common(data.scenes)
+        title = f"All {len(common)} scenes" if common == data.scenes else f"The {len(common)} scenes that all drew"
+        plots.append(Plot("all-scenes", title, pool(common)))
     for scene in data.scenes:
         stem = re.sub(r"[^a-z0-9]+", "-", scene.name.lower()).strip("-")[:60] or "scene"
         name = next(n for n in _numbered(stem) if n not in taken)
@@ -73,17 +80,14 @@ def plot_csv(plot: Plot) -> str:
     """The data of a plot, one row a point, in the order of the table; empty where unknown."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(
-        ["renderer", "mode", "family", "samples_per_pixel", "cpu_seconds", "cpu_seconds_standard_error", "rmse"]
-        + ["rmse_standard_error", "efficiency", "on_pareto_front", "scenes_missing"]
-    )
+    writer.writerow(COLUMNS)
     shown = _shown(plot.curves)
     front = {id(curve) for curve in _front(shown)}
     for curve in plot.curves:
         rmse = curve.metrics.get("rmse", Estimate(None))
         figures = [curve.cpu_seconds.value, curve.cpu_seconds.standard_error, rmse.value, rmse.standard_error]
         writer.writerow(
-            [curve.renderer, curve.mode, curve.family, number(curve.samples_per_pixel)]
+            [curve.renderer, curve.mode, curve.label, curve.family, number(curve.samples_per_pixel)]
             + [number(figure) for figure in [*figures, efficiency(curve)]]
             + [int(id(curve) in front), " ".join(curve.missing)]
         )
@@ -167,5 +171,5 @@ def _label(line: Line2D, text: str) -> None:
     line.set_label(text if not text.startswith("_") else f" {text}")
 
 
-def _power_of_ten(value: float, position: int | None = None) -> str:
+def _power_of_ten(value: float, position: float) -> str:
     return f"{value:.0e}" if value < 1e-4 or value >= 1e5 else f"{value:g}"

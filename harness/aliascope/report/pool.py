@@ -15,6 +15,7 @@ class Curve:
 
     renderer: str
     mode: str
+    label: str
     family: str
     samples_per_pixel: float
     cpu_seconds: Estimate
@@ -28,12 +29,23 @@ def curve_of(row: ModeRow) -> Curve:
     return Curve(
         renderer=row.renderer,
         mode=row.mode,
+        label=row.label,
         family=row.family,
         samples_per_pixel=row.samples_per_pixel,
         cpu_seconds=row.cpu_seconds,
         metrics=row.metrics,
         pictures=row.pictures,
     )
+
+
+def in_common(scenes: Sequence[SceneSection]) -> tuple[SceneSection, ...]:
+    """The scenes that every renderer drew, since others would favour the one that left out the hard ones.
+
+    All scenes that have a row, where there is none in common.
+    """
+    drawn = [(scene, {row.renderer for row in scene.rows}) for scene in scenes if scene.rows]
+    every = set().union(*(renderers for _, renderers in drawn))
+    return tuple(scene for scene, renderers in drawn if renderers == every) or tuple(scene for scene, _ in drawn)
 
 
 def pool(scenes: Sequence[SceneSection]) -> tuple[Curve, ...]:
@@ -60,6 +72,7 @@ def _pooled(rows: Mapping[str, ModeRow], names: Sequence[str]) -> Curve:
     return Curve(
         renderer=drawn[0].renderer,
         mode=drawn[0].mode,
+        label=drawn[0].label,
         family=drawn[0].family,
         samples_per_pixel=math.fsum(spp) / len(spp),
         cpu_seconds=_mean([row.cpu_seconds for row in drawn]),

@@ -8,6 +8,7 @@ class Sheet {
     this.factor = Math.ceil(scene.width / thumbnailSide);
     this.legend = h("div");
     this.grid = h("ul", { class: "sheet" });
+    this.grid.style.setProperty("--pair", `${2 * Math.ceil(scene.width / this.factor) + 2}px`);
     this.cards = [null, ...scene.rows].map((row) => this.card(row));
     this.grid.append(...this.cards.map(({ node }) => node));
     const averaged = this.factor > 1 ? `, averaged over ${this.factor} × ${this.factor} pixels` : "";
@@ -25,14 +26,14 @@ class Sheet {
     const height = Math.ceil(this.scene.height / this.factor);
     const canvas = (label) => h("canvas", { width, height, role: "img", "aria-label": label });
     const name = row ? identity(row) : referenceName;
-    const [image, error] = [canvas(`picture of ${name}`), row ? canvas(`signed error of ${name}`) : null];
-    const value = h("span", { class: "value" });
+    const [image, error] = [canvas(`picture of ${row ? readable(row) : name}`), row ? canvas(`signed error of ${readable(row)}`) : null];
+    const [value, badge] = [h("span", { class: "value" }), h("span", { class: "badge" })];
     const button = h("button",
       { type: "button", class: "card", "data-mode": name, click: (event) => choose(event.shiftKey ? "b" : "a", name) },
-      h("span", { class: "name" }, row ? [marker(row), " ", h("b", {}, row.renderer), " ", spec(row.mode)] : h("b", {}, "reference")),
+      h("span", { class: "name" }, badge, row ? [marker(row), " ", h("b", {}, row.renderer), " ", modeName(row)] : h("b", {}, "reference")),
       value,
       h("span", { class: "pair" }, image, error));
-    return { row, image, error, value, button, node: h("li", {}, button) };
+    return { row, image, error, value, badge, button, node: h("li", {}, button) };
   }
 
   /** Draws what has changed since; pictures are decoded one after the other, so that the page stays quick. */
@@ -55,10 +56,10 @@ class Sheet {
 
   mark() {
     const metric = metricOf(state.metric);
-    for (const { row, button, value } of this.cards) {
+    for (const { row, button, value, badge } of this.cards) {
       const name = row ? identity(row) : referenceName;
       const chosen = ["a", "b"].filter((slot) => state[slot] === name).map((slot) => slot.toUpperCase());
-      button.dataset.chosen = chosen.join(" ");
+      badge.textContent = chosen.join(" ");
       value.textContent = row ? figure(estimateOf(row, metric.name)[0]) : "";
       button.setAttribute("aria-pressed", String(chosen.length > 0));
     }

@@ -109,10 +109,11 @@ function chooseScene(name) {
 
 /** Puts a mode into A or B, where the scene has it. */
 function choose(slot, name) {
-  if (rowOf(currentScene(), name) === undefined) {
+  const row = rowOf(currentScene(), name);
+  if (row === undefined) {
     announce(`${name} has no picture of ${state.scene}`);
     return;
   }
   change({ [slot]: name });
-  announce(`${slot.toUpperCase()}: ${name}`);
+  announce(`${slot.toUpperCase()}: ${row ? readable(row) : name}`);
 }

@@ -12,7 +12,7 @@ const columns = [
 /** What a column sorts by, where less comes first going up; null goes last either way. */
 function sortValue(row, key, metric) {
   switch (key) {
-    case "mode": return identity(row);
+    case "mode": return readable(row);
     case "error": return badnessOf(row, metric);
     case "spp": return row.spp;
     case "cpu": return row.cpu[0];
@@ -78,7 +78,7 @@ class ModeTable {
       columns_[`${key}±`] = alignPoints(list.map(([value, error]) => (value === null ? "" : uncertainty(value, error))));
     }
     columns_.error = columns_.error.map((text, i) => (badnessOf(this.sorted[i], metric) === -Infinity ? "∞" : text));
-    columns_.spp = alignPoints(this.sorted.map((row) => figure(row.spp)));
+    columns_.spp = alignPoints(this.sorted.map((row) => (Number.isInteger(row.spp) ? groups(String(row.spp)) : figure(row.spp))));
     columns_.pictures = this.sorted.map((row) => String(row.pictures));
     return columns_;
   }
@@ -108,10 +108,10 @@ class ModeTable {
     const slots = ["a", "b"].map((slot) =>
       h("button", {
         type: "button", class: `slot ${slot}`, "data-slot": slot, "aria-pressed": String(state[slot] === identity(row)),
-        "aria-label": `show ${identity(row)} as ${slot.toUpperCase()}`,
+        "aria-label": `show ${readable(row)} as ${slot.toUpperCase()}`,
       }, slot.toUpperCase()));
     return h("tr", { "data-mode": identity(row), class: this.picks ? "picks" : null },
-      h("th", { scope: "row" }, marker(row), " ", h("span", { class: "renderer" }, row.renderer), " ", spec(row.mode), remarks),
+      h("th", { scope: "row" }, marker(row), " ", h("span", { class: "renderer" }, row.renderer), " ", modeName(row), remarks),
       number("error", best.error.has(row)),
       h("td", { class: "spread" }, cells["error±"][i]),
       number("spp"),

@@ -9,7 +9,7 @@ from aliascope.records import Estimate, ReportData
 from aliascope.report.document import number
 from aliascope.report.pool import curve_of, efficiency
 
-HEAD = ["scene", "renderer", "mode", "family", "status", "reason", "pictures", "samples_per_pixel"]
+HEAD = ["scene", "renderer", "mode", "label", "family", "status", "reason", "pictures", "samples_per_pixel"]
 
 
 def results_csv(data: ReportData) -> str:
@@ -26,7 +26,7 @@ def results_csv(data: ReportData) -> str:
         for row in scene.rows:
             estimates = [row.cpu_seconds, *(row.metrics.get(m, Estimate(None)) for m in metrics)]
             writer.writerow(
-                [scene.name, row.renderer, row.mode, row.family, "measured", "", row.pictures]
+                [scene.name, row.renderer, row.mode, row.label, row.family, "measured", "", row.pictures]
                 + [number(row.samples_per_pixel)]
                 + [number(x) for e in estimates for x in (e.value, e.standard_error)]
                 + [number(efficiency(curve_of(row))), number(row.quantum)]
@@ -40,5 +40,5 @@ def results_csv(data: ReportData) -> str:
 
 
 def _without(scene: str, renderer: str, mode: str, status: str, reason: str, figures: int) -> list[object]:
-    head: list[object] = [scene, renderer, mode, "", status, " ".join(reason.split()), "", ""]
+    head: list[object] = [scene, renderer, mode, "", "", status, " ".join(reason.split()), "", ""]
     return head + [None] * (2 * figures + 2)

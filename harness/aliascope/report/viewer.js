@@ -31,7 +31,7 @@ class Viewer {
     this.stage.append(h("div", { class: "panes" }, this.panes.map(({ figure: node }) => node)));
     this.controls = new Controls(this);
     this.node = h("div", { class: "viewer" },
-      h("div", { class: "stage-column" }, this.stage, this.splitter, this.legend), this.controls.node);
+      h("div", { class: "stage-column" }, this.stage, this.splitter, this.legend, this.controls.readout), this.controls.node);
     new ResizeObserver(() => this.paint()).observe(this.node);
     setInterval(() => this.tick(), blinkPeriod);
     onChange((changed) => this.changed(changed));
@@ -192,7 +192,7 @@ class Viewer {
     const describe = (name) => {
       const row = this.loaded[name];
       if (!row) return ["reference"];
-      return [marker(row), " ", h("b", {}, row.renderer), " ", spec(row.mode)];
+      return [marker(row), " ", h("b", {}, row.renderer), " ", modeName(row)];
     };
     const letter = slot === "blink" ? this.shown : slot;
     pane.badge.textContent = slot === "ab" ? "A | B" : letter.toUpperCase();
@@ -205,11 +205,11 @@ class Viewer {
   // The pixel under the pointer, else the one that was chosen.
 
   read() {
-    const { scene, reference, pictures, a, b } = this.loaded;
+    const { scene, reference, pictures } = this.loaded;
     const [x, y] = this.hovered ?? [state.x, state.y];
     const i = 3 * (y * scene.width + x);
     const at = (values) => [values[i], values[i + 1], values[i + 2]];
-    this.controls.read({ x, y, reference: at(reference.values), a: at(pictures.a.values), b: at(pictures.b.values), rows: { a, b } });
+    this.controls.read({ x, y, reference: at(reference.values), a: at(pictures.a.values), b: at(pictures.b.values) });
   }
 
   pixelAt(event, { canvas }) {

@@ -2,69 +2,18 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from aliascope.errors import CheckFailed, InvalidInput, near_misses
+from aliascope.metrics.base import Measured, Metric
+from aliascope.metrics.differences import bias, largest, mae, p99, psnr, relative_mse, rmse
+from aliascope.metrics.perceptual import flip, ssim
+from aliascope.metrics.local_structure import structure
 from aliascope.records import Pixels
 
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Measured:
-    """A metric's value: None where it has none (the PSNR of equal pictures), with the reason in `details`."""
-
-    value: float | None
-    details: Mapping[str, Any] = field(default_factory=dict)
-
-
-Metric = Callable[[Array, Array], Measured]
-
-
-def bias(image: Array, reference: Array) -> Measured:
-    """The mean signed error, image - reference."""
-    return Measured(float((image - reference).mean()))
-
-
-def mae(image: Array, reference: Array) -> Measured:
-    """The mean absolute error."""
-    return Measured(float(np.abs(image - reference).mean()))
-
-
-def mse(image: Array, reference: Array) -> float:
-    return float(((image - reference) ** 2).mean())
-
-
-def rmse(image: Array, reference: Array) -> Measured:
-    """The root of the mean squared error."""
-    return Measured(math.sqrt(mse(image, reference)))
-
-
-def psnr(image: Array, reference: Array) -> Measured:
-    """10 log10(1 / MSE), in decibels; none for equal pictures."""
-    error = mse(image, reference)
-    if error == 0.0:
-        return Measured(None, {"psnr-reason": "the pictures are equal"})
-    return Measured(-10.0 * math.log10(error))
-
-
-def largest(image: Array, reference: Array) -> Measured:
-    """The largest absolute error, and where: x, y, channel."""
-    error = np.abs(image - reference)
-    y, x, channel = (int(i) for i in np.unravel_index(int(error.argmax()), error.shape))
-    return Measured(float(error[y, x, channel]), {"max-at": [x, y, channel]})
-
-
-def relative_mse(image: Array, reference: Array) -> Measured:
-    """The mean of (a - r)^2 / (r^2 + 0.01)."""
-    return Measured(float(((image - reference) ** 2 / (reference**2 + 0.01)).mean()))
-
+__all__ = ["METRICS", "Measured", "Metric", "check_finite", "chosen", "measure"]
 
 METRICS: Mapping[str, Metric] = {
     "bias": bias,
@@ -73,6 +22,10 @@ METRICS: Mapping[str, Metric] = {
     "psnr": psnr,
     "relative-mse": relative_mse,
     "max": largest,
+    "p99": p99,
+    "ssim": ssim,
+    "flip": flip,
+    "structure": structure,
 }
 
 
