@@ -196,26 +196,60 @@ def render(
         )
 
 
-@app.command(epilog="Example: aliascope error picture.exr reference/edge/128x96-box.exr --metric rmse,max")
+@app.command(
+    epilog="Example: aliascope error picture.exr reference/edge/128x96-box.exr --metric rmse,max --map map.png"
+)
 def error(
-    image: Annotated[Path, typer.Argument(help="Any picture that OpenImageIO reads, linear.")],
-    reference: Annotated[Path, typer.Argument()],
+    image: Annotated[Path, typer.Argument(help="Any picture that OpenImageIO reads.")],
+    reference: Annotated[Path, typer.Argument(help="Of the same size and channels.")],
     metric: Annotated[str | None, typer.Option(metavar="M,M...", help="Which; all of them if not said.")] = None,
+    map_: Annotated[
+        Path | None,
+        typer.Option("--map", metavar="OUT.png|OUT.exr", help="Draw the signed error, or keep it as an EXR."),
+    ] = None,
+    map_scale: Annotated[
+        float | None, typer.Option(metavar="S", help="The drawing goes from -S to S; to the largest if not said.")
+    ] = None,
+    colour_space: Annotated[
+        str | None, typer.Option(metavar="srgb|linear", help="What IMAGE's values are; sRGB is decoded.")
+    ] = None,
+    reference_colour_space: Annotated[
+        str | None, typer.Option(metavar="srgb|linear", help="What REFERENCE's values are.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Measure a picture against a reference."""
+    """Measure a picture against a reference, on linear values."""
     from aliascope import metrics
-    from aliascope.image import read_image
+    from aliascope.studies import error_maps
 
-    measured = metrics.measure(read_image(image), read_image(reference), metrics.chosen(metric))
-    details = {key: value for each in measured.values() for key, value in each.details.items()}
+    wanted = metrics.chosen(metric)
+    if map_ is not None:
+        error_maps.check_map_path(map_)
+    pair = error_maps.open_pair(image, reference, colour_space, reference_colour_space)
+    measured = metrics.measure(pair[0].pixels, pair[1].pixels, wanted)
+    scale = error_maps.write_map(map_, *pair, map_scale) if map_ is not None else None
     if as_json:
-        _print_json({"metrics": {name: each.value for name, each in measured.items()}, "details": details})
+        details = {key: value for each in measured.values() for key, value in each.details.items()}
+        if scale is not None:
+            details["map-scale"] = scale
+        _print_json(
+            {
+                "metrics": {name: each.value for name, each in measured.items()},
+                "details": details,
+                "image": pair[0].document(),
+                "reference": pair[1].document(),
+            }
+        )
         return
+    for opened in pair:
+        if opened.colour_space == error_maps.SRGB:
+            typer.echo(f"{opened.stored.path}: {opened.stored.format}, decoded from sRGB")
     for name, each in measured.items():
         value = "none" if each.value is None else f"{each.value:.6g}"
         extra = "  ".join(f"{key} {value}" for key, value in each.details.items())
         typer.echo(f"{name:<14}{value:>14}  {extra}".rstrip())
+    if map_ is not None:
+        typer.echo(str(map_) if scale is None else f"{map_}: from {-scale:.3g} (blue) to {scale:.3g} (red)")
 
 
 @app.command(epilog="Example: aliascope reference edge --verify")

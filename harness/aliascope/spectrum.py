@@ -17,7 +17,7 @@ class RadialSpectrum(NamedTuple):
     the square of frequencies lie past 1/2, the Nyquist frequency of the axes. `power`: the mean power density of a
     ring, in squared values; white noise of variance s^2 has s^2 everywhere. `bins`: how many frequencies a ring has, so
     sum(bins * power) / sum(bins) is the variance. A real picture's frequencies come in equal pairs and the window joins
-    neighbours, so under noise the standard error of `power` is about power sqrt(4.5 / bins).
+    neighbours: under noise, equal in all channels, the standard error of `power` is about 2 power / sqrt(bins).
     """
 
     frequencies: NDArray[np.float64]
@@ -42,7 +42,9 @@ def radial_spectrum(error: NDArray[Any]) -> RadialSpectrum:
     amplitude a has power a^2 / 2, spread over about 2.25 / (width height) of the frequencies around its own.
     """
     if error.ndim not in (2, 3) or 0 in error.shape:
-        raise InvalidInput(f"a spectrum needs an array of (height, width) or (height, width, channels), not {error.shape}")
+        raise InvalidInput(
+            f"a spectrum needs an array of (height, width) or (height, width, channels), not {error.shape}"
+        )
     if not np.isfinite(error).all():
         raise CheckFailed("the error has values that are no numbers: it has no spectrum")
     values = np.asarray(error, dtype=np.float64).reshape(*error.shape[:2], -1)

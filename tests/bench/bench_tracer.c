@@ -1,5 +1,6 @@
-/* The tracer's rate as a share of a bare loop over rtcIntersect16 on the same primary rays: a generated mesh of 10^5
- * triangles, unlit, perspective, box filter, 16 samples a pixel, one thread. Both are measured in turn, in one run. */
+/* The tracer's rate as a share of a bare loop over Embree on the same rays: a generated mesh of 10^5 triangles,
+ * perspective, box filter, 16 samples a pixel, one thread. Unlit against rtcIntersect16; under a sun with hard shadows
+ * against rtcIntersect16 and rtcOccluded16. Both are measured in turn, in one run. */
 #define _POSIX_C_SOURCE 200809L
 #include <embree3/rtcore.h>
 #include <math.h>
@@ -95,32 +96,92 @@ static RTCScene bare_scene(RTCDevice device, const asc_view *view) {
   return scene;
 }
 
-static double bare_loop(RTCScene scene, uint64_t *hits) {
+/* Shadow rays of the hits, toward the sun; `lit` says which lanes have one. */
+static float shadow_origins[PACKETS][3][16];
+static alignas(64) int lit[PACKETS][16];
+static double toward_sun[3]; /* in the camera's frame, of length 1 */
+
+static void begin_packet(struct RTCRayHit16 *rays, size_t packet) {
+  for (int i = 0; i < 16; i++) {
+    rays->ray.org_x[i] = rays->ray.org_y[i] = rays->ray.org_z[i] = 0.0f;
+    rays->ray.dir_x[i] = directions[packet][0][i];
+    rays->ray.dir_y[i] = directions[packet][1][i];
+    rays->ray.dir_z[i] = 1.0f;
+    rays->ray.tnear[i] = 0.0f;
+    rays->ray.tfar[i] = INFINITY;
+    rays->ray.mask[i] = UINT32_MAX;
+    rays->ray.flags[i] = 0;
+    rays->ray.time[i] = 0.0f;
+    rays->hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    rays->hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+}
+
+static void begin_shadows(struct RTCRay16 *shadows, size_t packet) {
+  for (int i = 0; i < 16; i++) {
+    shadows->org_x[i] = shadow_origins[packet][0][i];
+    shadows->org_y[i] = shadow_origins[packet][1][i];
+    shadows->org_z[i] = shadow_origins[packet][2][i];
+    shadows->dir_x[i] = (float)toward_sun[0];
+    shadows->dir_y[i] = (float)toward_sun[1];
+    shadows->dir_z[i] = (float)toward_sun[2];
+    shadows->tnear[i] = 0.0f;
+    shadows->tfar[i] = INFINITY;
+    shadows->mask[i] = UINT32_MAX;
+    shadows->flags[i] = 0;
+    shadows->time[i] = 0.0f;
+  }
+}
+
+/* The shadow rays of one packet that was traced: from the hit, lifted to the viewer's side, where the sun is there. */
+static void make_shadows(const struct RTCRayHit16 *rays, size_t packet) {
+  for (int i = 0; i < 16; i++) {
+    lit[packet][i] = 0;
+    if (rays->hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    double normal[3] = {rays->hit.Ng_x[i], rays->hit.Ng_y[i], rays->hit.Ng_z[i]};
+    const double direction[3] = {rays->ray.dir_x[i], rays->ray.dir_y[i], 1.0};
+    double length = 0.0, facing = 0.0, cosine = 0.0;
+    for (int k = 0; k < 3; k++) {
+      length += normal[k] * normal[k];
+      facing += normal[k] * direction[k];
+    }
+    for (int k = 0; k < 3; k++) {
+      normal[k] *= (facing > 0.0 ? -1.0 : 1.0) / sqrt(length);
+      cosine += normal[k] * toward_sun[k];
+    }
+    if (cosine <= 0.0) continue;
+    lit[packet][i] = -1;
+    for (int k = 0; k < 3; k++)
+      shadow_origins[packet][k][i] = (float)(rays->ray.tfar[i] * direction[k] + 1e-5 * normal[k]);
+  }
+}
+
+typedef enum bare_kind { PRIMARY_ALONE, WITH_SHADOWS, RECORD_SHADOWS } bare_kind;
+
+/* CPU seconds of the loop; `hits` counts the primary rays that hit. */
+static double bare_loop(RTCScene scene, bare_kind kind, uint64_t *hits) {
   alignas(64) static struct RTCRayHit16 rays;
+  alignas(64) static struct RTCRay16 shadows;
   alignas(64) static int valid[16];
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   for (int i = 0; i < 16; i++) valid[i] = -1;
   *hits = 0;
+  volatile float sink = 0.0f;
   const double begun = now();
   for (size_t packet = 0; packet < PACKETS; packet++) {
-    for (int i = 0; i < 16; i++) {
-      rays.ray.org_x[i] = rays.ray.org_y[i] = rays.ray.org_z[i] = 0.0f;
-      rays.ray.dir_x[i] = directions[packet][0][i];
-      rays.ray.dir_y[i] = directions[packet][1][i];
-      rays.ray.dir_z[i] = 1.0f;
-      rays.ray.tnear[i] = 0.0f;
-      rays.ray.tfar[i] = INFINITY;
-      rays.ray.mask[i] = UINT32_MAX;
-      rays.ray.flags[i] = 0;
-      rays.ray.time[i] = 0.0f;
-      rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
-      rays.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-    }
+    begin_packet(&rays, packet);
     rtcIntersect16(valid, scene, &context, &rays);
     for (int i = 0; i < 16; i++) *hits += rays.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+    if (kind == RECORD_SHADOWS) make_shadows(&rays, packet);
+    if (kind == WITH_SHADOWS) {
+      begin_shadows(&shadows, packet);
+      rtcOccluded16(lit[packet], scene, &context, &shadows);
+      sink = shadows.tfar[0];
+    }
   }
+  (void)sink;
   return now() - begun;
 }
 
@@ -129,61 +190,82 @@ static int by_value(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-int main(void) {
-  make_mesh();
-  /* Looking down at 37 degrees, so that the mesh fills about three quarters of the picture. */
-  const double slope = 0.6457718232379019; /* 37 degrees, in radians */
-  asc_view view = {.projection = ASC_PERSPECTIVE, .width = WIDTH, .height = HEIGHT, .eye = {0.05, 1.5, 1.9}};
-  const double right[3] = {1, 0, 0}, up[3] = {0, cos(slope), -sin(slope)}, forward[3] = {0, -sin(slope), -cos(slope)};
-  for (int i = 0; i < 3; i++) {
-    view.right[i] = right[i];
-    view.up[i] = up[i];
-    view.forward[i] = forward[i];
-  }
-  view.half_height = 0.42;
-  view.half_width = view.half_height * WIDTH / HEIGHT;
-  asc_material materials[7] = {{.emission = {0, 0, 0}}};
-  for (int i = 0; i < 7; i++) materials[i].emission[i % 3] = 0.1 + 0.1 * i;
-  const asc_scene scene = {.struct_size = sizeof scene,
-                           .view = view,
-                           .materials = materials,
-                           .material_count = 7,
-                           .vertices = vertices,
-                           .triangle_material = materials_of,
-                           .triangle_count = TRIANGLES};
-
-  const asc_sampler_desc pattern = {sizeof pattern, "sobol:scramble=owen", SAMPLES, 2, 1};
-  asc_sampler *sampler = NULL;
+/* Renders and loops in turn, and prints the share: the median over rounds, and the extremes. */
+static int compare(const char *what, const asc_scene *scene, const asc_sampler *sampler, RTCScene bare,
+                   bare_kind kind) {
+  static float pixels[WIDTH * HEIGHT * 3];
+  const tracer_desc desc = {.struct_size = sizeof desc, .sampler = sampler, .threads = 1};
   tracer *made = NULL;
   asc_error error;
-  float *pixels = malloc((size_t)WIDTH * HEIGHT * 3 * sizeof *pixels);
-  if (!pixels || asc_sampler_create(&pattern, &sampler, &error) || tracer_create(&scene, &made, &error)) return 1;
-  make_directions(&view, sampler);
-  RTCDevice device = rtcNewDevice("threads=1");
-  RTCScene bare = bare_scene(device, &view);
-
-  const tracer_desc desc = {sizeof desc, sampler, 1};
-  const double rays = (double)PACKETS * 16.0;
+  if (tracer_create(scene, &made, &error)) return 1;
   double shares[ROUNDS], bare_least = 1e9, tracer_least = 1e9;
   uint64_t hits = 0;
+  tracer_cost cost;
   for (int round = 0; round < ROUNDS; round++) {
-    tracer_cost cost;
-    const double bare_seconds = bare_loop(bare, &hits);
+    const double bare_seconds = bare_loop(bare, kind, &hits);
     if (tracer_render(made, &desc, pixels, &cost, &error)) return 1;
     shares[round] = bare_seconds / cost.cpu_seconds;
     if (bare_seconds < bare_least) bare_least = bare_seconds;
     if (cost.cpu_seconds < tracer_least) tracer_least = cost.cpu_seconds;
   }
   qsort(shares, ROUNDS, sizeof *shares, by_value);
-  printf("tracer against a bare loop over rtcIntersect16, %u triangles, %.1f million rays, %.0f %% hit\n", TRIANGLES,
-         rays / 1e6, 100.0 * (double)hits / rays);
+  const double rays = (double)(cost.primary_rays + cost.shadow_rays);
+  printf("%s: %u triangles, %.1f million rays, %.0f %% of the primary ones hit\n", what, TRIANGLES, rays / 1e6,
+         100.0 * (double)hits / (double)cost.primary_rays);
   printf("  bare    %6.1f Mray/s\n  tracer  %6.1f Mray/s\n", rays / bare_least / 1e6, rays / tracer_least / 1e6);
   printf("  share   %6.1f %% (median of %d rounds, %.1f to %.1f)\n", 100.0 * shares[ROUNDS / 2], ROUNDS,
          100.0 * shares[0], 100.0 * shares[ROUNDS - 1]);
+  tracer_destroy(made);
+  return 0;
+}
+
+int main(void) {
+  make_mesh();
+  /* Looking down at 37 degrees, so that the mesh fills about half of the picture. */
+  const double slope = 0.6457718232379019; /* 37 degrees, in radians */
+  asc_view view = {.projection = ASC_PERSPECTIVE, .width = WIDTH, .height = HEIGHT, .eye = {0.05, 1.5, 1.9}};
+  const double right[3] = {1, 0, 0}, up[3] = {0, cos(slope), -sin(slope)}, forward[3] = {0, -sin(slope), -cos(slope)};
+  const double sun[3] = {0.8137, -0.4371, -0.3919};
+  double length = 0.0;
+  for (int i = 0; i < 3; i++) {
+    view.right[i] = right[i];
+    view.up[i] = up[i];
+    view.forward[i] = forward[i];
+    length += sun[i] * sun[i];
+  }
+  const double *axes[3] = {right, up, forward};
+  for (int axis = 0; axis < 3; axis++)
+    for (int i = 0; i < 3; i++) toward_sun[axis] -= sun[i] * axes[axis][i] / sqrt(length);
+  view.half_height = 0.42;
+  view.half_width = view.half_height * WIDTH / HEIGHT;
+  asc_material materials[7] = {{.emission = {0, 0, 0}}};
+  for (int i = 0; i < 7; i++) {
+    materials[i].emission[i % 3] = 0.1 + 0.1 * i;
+    materials[i].albedo[i % 3] = 0.5;
+  }
+  const asc_light light = {ASC_LIGHT_DIRECTIONAL, {sun[0], sun[1], sun[2]}, {1, 1, 1}, 0};
+  asc_scene scene = {.struct_size = sizeof scene,
+                     .view = view,
+                     .materials = materials,
+                     .material_count = 7,
+                     .vertices = vertices,
+                     .triangle_material = materials_of,
+                     .triangle_count = TRIANGLES};
+  const asc_sampler_desc pattern = {sizeof pattern, "sobol:scramble=owen", SAMPLES, 2, 1};
+  asc_sampler *sampler = NULL;
+  if (asc_sampler_create(&pattern, &sampler, NULL)) return 1;
+  make_directions(&view, sampler);
+  RTCDevice device = rtcNewDevice("threads=1");
+  RTCScene bare = bare_scene(device, &view);
+  uint64_t hits;
+  (void)bare_loop(bare, RECORD_SHADOWS, &hits);
+
+  int failed = compare("unlit, against rtcIntersect16", &scene, sampler, bare, PRIMARY_ALONE);
+  scene.lights = &light;
+  scene.light_count = 1;
+  failed |= compare("with shadows, against rtcIntersect16 and rtcOccluded16", &scene, sampler, bare, WITH_SHADOWS);
   rtcReleaseScene(bare);
   rtcReleaseDevice(device);
-  tracer_destroy(made);
   asc_sampler_destroy(sampler);
-  free(pixels);
-  return 0;
+  return failed;
 }

@@ -129,7 +129,7 @@ class Controls {
       line("A", "a", a, false, chip(a)),
       line("B", "b", b, false, chip(b)));
     this.differences.replaceChildren(
-      ...[["a", a], ["b", b]].map(([slot, values]) => line(`${slot.toUpperCase()} − reference`, `${slot}-error`, off(values), true, null)));
+      ...[["a", a], ["b", b]].map(([slot, values]) => line(`${slot.toUpperCase()} − ref`, `${slot}-error`, off(values), true, null)));
   }
 
   /** Tells a screen reader the pixel that was walked to. */

@@ -158,7 +158,7 @@ class Plot {
       const [ax, ay, bx, by] = [this.x.at(start), this.y.at(errorAt(start)), this.x.at(end), this.y.at(errorAt(end))];
       grid.append(s("line", { x1: ax, y1: ay, x2: bx, y2: by, class: "efficiency" }));
       const angle = (Math.atan2(by - ay, bx - ax) * 180) / Math.PI;
-      if (!named && Math.hypot(bx - ax, by - ay) > 220) {
+      if (!named && this.width > 560 && Math.hypot(bx - ax, by - ay) > 220) {
         named = true;
         grid.append(s("text", { transform: `translate(${bx} ${by}) rotate(${angle})`, x: -8, y: -4, "text-anchor": "end" }, "equal efficiency"));
       }

@@ -197,7 +197,7 @@ class Viewer {
     const letter = slot === "blink" ? this.shown : slot;
     pane.badge.textContent = slot === "ab" ? "A | B" : letter.toUpperCase();
     const parts = slot === "ab" ? [describe("a"), h("span", { class: "soft" }, " | "), describe("b")] : describe(letter);
-    pane.name.replaceChildren(...[kind === "error" ? h("span", { class: "soft" }, "signed error, ") : null, parts].flat().filter(Boolean));
+    pane.name.replaceChildren(...[kind === "error" ? h("span", { class: "soft" }, "signed error, ") : null, parts].flat(Infinity).filter(Boolean));
     pane.canvas.setAttribute("aria-label", `${kind === "error" ? "signed error of " : ""}${pane.name.textContent}`);
     pane.canvas.dataset.shows = `${letter} ${kind}`;
   }
