@@ -26,6 +26,18 @@ void camera_point(const camera *from, const double world[3], double local[3]) {
   camera_direction(from, offset, local);
 }
 
+void make_unit(double v[3]) {
+  /* By the largest component first: the square of a very short one would be 0. */
+  double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+  for (int i = 0; i < 3; ++i) {
+    v[i] /= largest;
+  }
+  double length = sqrt(dot(v, v));
+  for (int i = 0; i < 3; ++i) {
+    v[i] /= length;
+  }
+}
+
 size_t camera_clip(const camera *by, const double (*corners)[3], size_t count, clip_vertex clipped[CLIP_CAPACITY]) {
   double largest = 0.0;
   for (size_t i = 0; i < count; ++i) {
@@ -150,4 +162,30 @@ bool camera_sphere(const camera *by, const double centre[3], double radius, rect
   depth->nearest = fmax(centre[2] - radius, gap / sqrt(1.0 + guard_x * guard_x + guard_y * guard_y));
   depth->farthest = centre[2] + radius;
   return fit(by, box);
+}
+
+bool camera_plane(const camera *by, const double normal[3], double offset, rectangle *box, range *depth) {
+  if ((by->perspective ? offset : normal[2]) == 0.0) {
+    return false;
+  }
+  const rectangle all = {-1.0 - by->margin_x, -1.0 - by->margin_y, 1.0 + by->margin_x, 1.0 + by->margin_y};
+  /* Linear in the picture, so that the corners have the extremes: 1 / z in perspective, z in an orthographic view. */
+  double low = INFINITY;
+  double high = -INFINITY;
+  for (int corner = 0; corner < 4; ++corner) {
+    double u = by->view->half_width * (corner % 2 ? all.high_x : all.low_x);
+    double v = by->view->half_height * (corner / 2 ? all.high_y : all.low_y);
+    double across = normal[0] * u + normal[1] * v;
+    double here = by->perspective ? (across + normal[2]) / offset : (offset - across) / normal[2];
+    low = fmin(low, here);
+    high = fmax(high, here);
+  }
+  if (!(high > 0.0)) {
+    return false;
+  }
+  *box = all;
+  depth->nearest = by->perspective ? 1.0 / high : fmax(low, 0.0);
+  /* In perspective what lies at the horizon is infinitely far, and its reversed depth 0. */
+  depth->farthest = !by->perspective ? high : low > 0.0 ? 1.0 / low : depth->nearest;
+  return true;
 }

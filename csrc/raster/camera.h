@@ -31,6 +31,9 @@ camera camera_create(const asc_view *view);
 void camera_point(const camera *from, const double world[3], double local[3]);
 void camera_direction(const camera *from, const double world[3], double local[3]);
 
+/* Scales to length 1; `v` is not 0. */
+void make_unit(double v[3]);
+
 /* Clips a polygon in camera coordinates, `count` <= 4 corners, to the guarded picture and the half space before the
  * eye. What lies nearer to the eye's plane than 2^-40 of the largest coordinate is cut. */
 size_t camera_clip(const camera *by, const double (*corners)[3], size_t count, clip_vertex clipped[CLIP_CAPACITY]);
@@ -40,6 +43,9 @@ size_t camera_clip(const camera *by, const double (*corners)[3], size_t count, c
 bool camera_disc(const camera *by, const double centre[3], const double normal[3], double radius, rectangle *box,
                  range *depth);
 bool camera_sphere(const camera *by, const double centre[3], double radius, rectangle *box, range *depth);
+/* The whole picture for the plane normal . p = offset, and the depths that it has there; false where it is seen from
+ * the side, or lies behind the eye. */
+bool camera_plane(const camera *by, const double normal[3], double offset, rectangle *box, range *depth);
 
 /* Widens `all` by `one`. */
 void range_join(range *all, const range *one);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "camera.h"
+#include "lighting.h"
 
 /* A corner before the range of depths is known. */
 typedef struct corner {
@@ -79,6 +80,13 @@ static surface_record *add_surface(builder *b, uint32_t material) {
   return record;
 }
 
+static void set_plane(surface_record *record, const double normal[3], const double point[3]) {
+  for (int i = 0; i < 3; ++i) {
+    record->plane[i] = normal[i];
+    record->plane[3] += normal[i] * point[i];
+  }
+}
+
 static void add_triangle(builder *b, size_t index) {
   double p[3][3];
   for (size_t i = 0; i < 3; ++i) {
@@ -103,8 +111,8 @@ static void add_triangle(builder *b, size_t index) {
   }
   uint32_t surface = (uint32_t)b->made->surface_count;
   surface_record *record = add_surface(b, b->scene->triangle_material[index]);
-  double plane[4] = {n[0], n[1], n[2], k};
-  memcpy(record->plane, plane, sizeof plane);
+  make_unit(n);
+  set_plane(record, n, p[0]);
   add_clipped(b, clipped, count, surface);
 }
 
@@ -114,17 +122,7 @@ static void add_disc(builder *b, size_t index) {
   double normal[3];
   camera_point(&b->eye, disc->centre, centre);
   camera_direction(&b->eye, disc->normal, normal);
-  /* By the largest component first: the square of a very short normal would be 0. */
-  double largest = fmax(fabs(normal[0]), fmax(fabs(normal[1]), fabs(normal[2])));
-  double length = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    normal[i] /= largest;
-    length += normal[i] * normal[i];
-  }
-  length = sqrt(length);
-  for (int i = 0; i < 3; ++i) {
-    normal[i] /= length;
-  }
+  make_unit(normal);
   rectangle box;
   range depth;
   if (!camera_disc(&b->eye, centre, normal, disc->radius, &box, &depth)) {
@@ -132,12 +130,9 @@ static void add_disc(builder *b, size_t index) {
   }
   uint32_t surface = (uint32_t)b->made->surface_count;
   surface_record *record = add_surface(b, disc->material);
-  for (int i = 0; i < 3; ++i) {
-    record->form[i] = centre[i];
-    record->plane[i] = normal[i];
-    record->plane[3] += normal[i] * centre[i];
-  }
+  memcpy(record->form, centre, sizeof centre);
   record->form[3] = disc->radius;
+  set_plane(record, normal, centre);
   add_rectangle(b, &box, &depth, surface);
 }
 
@@ -157,28 +152,58 @@ static void add_sphere(builder *b, size_t index) {
   add_rectangle(b, &box, &depth, surface);
 }
 
+static void add_plane(builder *b, size_t index) {
+  const asc_plane *plane = &b->scene->planes[index];
+  surface_record fresh = {.material = plane->material};
+  double point[3];
+  double normal[3];
+  camera_point(&b->eye, plane->point, point);
+  camera_direction(&b->eye, plane->normal, normal);
+  make_unit(normal);
+  set_plane(&fresh, normal, point);
+  rectangle box;
+  range depth;
+  if (!camera_plane(&b->eye, normal, fresh.plane[3], &box, &depth)) {
+    return;
+  }
+  uint32_t surface = (uint32_t)b->made->surface_count;
+  *add_surface(b, plane->material) = fresh;
+  add_rectangle(b, &box, &depth, surface);
+}
+
 static size_t shape_count(const asc_scene *scene, shape what) {
-  return what == SHAPE_TRIANGLE ? scene->triangle_count : what == SHAPE_DISC ? scene->disc_count : scene->sphere_count;
+  switch (what) {
+  case SHAPE_TRIANGLE: return scene->triangle_count;
+  case SHAPE_DISC: return scene->disc_count;
+  case SHAPE_SPHERE: return scene->sphere_count;
+  default: return scene->plane_count;
+  }
 }
 
 static uint32_t shape_material(const asc_scene *scene, shape what, size_t index) {
-  return what == SHAPE_TRIANGLE ? scene->triangle_material[index]
-         : what == SHAPE_DISC   ? scene->discs[index].material
-                                : scene->spheres[index].material;
+  switch (what) {
+  case SHAPE_TRIANGLE: return scene->triangle_material[index];
+  case SHAPE_DISC: return scene->discs[index].material;
+  case SHAPE_SPHERE: return scene->spheres[index].material;
+  default: return scene->planes[index].material;
+  }
 }
 
-static bool add_batch(builder *b, shape what, bool patterned) {
-  static void (*const add[SHAPE_COUNT])(builder *, size_t) = {add_triangle, add_disc, add_sphere};
-  b->made->first[batch_of(what, patterned)] = b->count;
-  size_t count = shape_count(b->scene, what);
+static bool add_batch(builder *b, size_t batch) {
+  static void (*const add[SHAPE_COUNT])(builder *, size_t) = {add_triangle, add_disc, add_sphere, add_plane};
+  const batch_kind kind = batch_at(batch);
+  b->made->first[batch] = b->count;
+  size_t count = shape_count(b->scene, kind.what);
   for (size_t i = 0; i < count; ++i) {
-    uint32_t material = shape_material(b->scene, what, i);
-    if ((b->scene->materials[material].pattern.kind != ASC_PATTERN_NONE) == patterned) {
-      if (!reserve(b)) {
-        return false;
-      }
-      add[what](b, i);
+    const asc_material *material = &b->scene->materials[shape_material(b->scene, kind.what, i)];
+    const bool lit = b->scene->light_count > 0 && lighting_takes(material);
+    if (material->pattern.kind != kind.pattern || lit != kind.lit) {
+      continue;
     }
+    if (!reserve(b)) {
+      return false;
+    }
+    add[kind.what](b, i);
   }
   return true;
 }
@@ -238,7 +263,7 @@ static asc_status finish(builder *b, asc_error *error) {
     vertex to = {{(float)from->x, (float)-from->y, (float)reversed_depth(b, from->depth)}, from->surface};
     made->vertices[i] = to;
   }
-  const size_t triangles_end = made->first[batch_of(SHAPE_DISC, false)];
+  const size_t triangles_end = made->first[SHAPE_DISC * BATCHES_OF_SHAPE];
   for (size_t i = 0; i < triangles_end; i += 3) {
     set_triangle_depth(b, &made->surfaces[made->vertices[i].surface]);
   }
@@ -256,8 +281,12 @@ static void set_materials(const builder *b) {
     const asc_material *from = &b->scene->materials[i];
     material_record *to = &b->made->materials[i];
     copy_colour(to->emission, from->emission);
+    copy_colour(to->albedo, from->albedo);
     if (from->pattern.kind != ASC_PATTERN_NONE) {
       camera_point(&b->eye, from->pattern.origin, to->origin);
+      for (int k = 0; k < 3 && from->pattern.kind == ASC_PATTERN_CHECKER; ++k) {
+        to->origin[k] = from->pattern.origin[k] - b->scene->view.eye[k];
+      }
       to->scale = from->pattern.scale;
       copy_colour(to->low, from->pattern.low);
       copy_colour(to->high, from->pattern.high);
@@ -268,7 +297,7 @@ static void set_materials(const builder *b) {
 static asc_status build(builder *b, asc_error *error) {
   geometry *made = b->made;
   const asc_scene *scene = b->scene;
-  size_t surfaces = scene->triangle_count + scene->disc_count + scene->sphere_count;
+  size_t surfaces = scene->triangle_count + scene->disc_count + scene->sphere_count + scene->plane_count;
   made->material_count = scene->material_count;
   /* One more than needed: a buffer of OpenGL is never empty. */
   made->surfaces = calloc(surfaces + 1, sizeof *made->surfaces);
@@ -277,8 +306,8 @@ static asc_status build(builder *b, asc_error *error) {
     return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu surfaces", surfaces);
   }
   set_materials(b);
-  for (int what = 0; what < SHAPE_COUNT; ++what) {
-    if (!add_batch(b, (shape)what, false) || !add_batch(b, (shape)what, true)) {
+  for (size_t batch = 0; batch < BATCH_COUNT; ++batch) {
+    if (!add_batch(b, batch)) {
       return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for the corners of %zu surfaces", surfaces);
     }
   }

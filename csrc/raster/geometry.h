@@ -17,11 +17,27 @@
 #include "aliascope/base.h"
 #include "aliascope/scene.h"
 
-typedef enum shape { SHAPE_TRIANGLE = 0, SHAPE_DISC = 1, SHAPE_SPHERE = 2, SHAPE_COUNT = 3 } shape;
+typedef enum shape {
+  SHAPE_TRIANGLE = 0,
+  SHAPE_DISC = 1,
+  SHAPE_SPHERE = 2,
+  SHAPE_PLANE = 3,
+  SHAPE_COUNT = 4
+} shape;
 
-/* Surfaces that one shader program draws: of one shape, with or without a pattern. */
-enum { BATCH_COUNT = 2 * SHAPE_COUNT };
-static inline size_t batch_of(shape what, bool patterned) { return 2u * (size_t)what + (patterned ? 1u : 0u); }
+/* Surfaces that one shader program draws: of one shape and kind of pattern, in the light or not. */
+typedef struct batch_kind {
+  shape what;
+  asc_pattern_kind pattern;
+  bool lit;
+} batch_kind;
+
+/* Batches are numbered, those of one shape in a row. */
+enum { PATTERN_COUNT = 3, BATCHES_OF_SHAPE = 2 * PATTERN_COUNT, BATCH_COUNT = SHAPE_COUNT * BATCHES_OF_SHAPE };
+static inline batch_kind batch_at(size_t batch) {
+  batch_kind kind = {(shape)(batch / BATCHES_OF_SHAPE), (asc_pattern_kind)(batch / 2 % PATTERN_COUNT), batch % 2 == 1};
+  return kind;
+}
 
 typedef struct vertex {
   float position[3]; /* normalised device coordinates; y as in the picture, down; z the reversed depth */
@@ -31,18 +47,17 @@ typedef struct vertex {
 /* Laid out as `Surface` in shaders.c (std430). */
 typedef struct surface_record {
   /* triangle: reversed depth at picture position (px, py), in pixels, = form[0] px + form[1] py + form[2].
-   * disc, sphere: centre, radius */
+   * disc, sphere: centre, radius; plane: nothing */
   double form[4];
-  double plane[4]; /* triangle, disc: normal . p = plane[3] for a point p of its plane; the disc's normal is a unit */
+  double plane[4]; /* not sphere: normal . p = plane[3] for a point p of its plane, the normal of length 1 */
   uint32_t material;
   uint32_t padding[7];
 } surface_record;
 
 /* Laid out as `Material` in shaders.c (std430). */
 typedef struct material_record {
-  double origin[3], scale;
-  float emission[4], low[4], high[4];
-  float padding[4];
+  double origin[3], scale; /* origin: zone plate in camera coordinates, checker from the eye along the world's axes */
+  float emission[4], low[4], high[4], albedo[4];
 } material_record;
 
 typedef struct geometry {

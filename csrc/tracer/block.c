@@ -12,6 +12,9 @@ struct block_work {
   uint32_t pixel[PACKET]; /* of the block's, by lane */
   double sum[BLOCK_SIDE * BLOCK_SIDE][3];
   double points[CHUNK][2];
+  block area;
+  const film *target; /* NULL: samples go to `sum` */
+  film_cell *first;
 };
 
 block_work *block_work_make(void) {
@@ -26,23 +29,40 @@ void block_work_free(block_work *memory) { free(memory); }
 
 uint64_t block_shadow_rays(const block_work *memory) { return memory->rays.shadow_rays; }
 
+static void add_to_film(block_work *memory) {
+  const packet *rays = &memory->rays;
+  const block area = memory->area;
+  film_sample samples[PACKET];
+  for (uint32_t i = 0; i < rays->lanes; i++) {
+    const uint32_t column = memory->pixel[i] % area.columns, row = memory->pixel[i] / area.columns;
+    samples[i] =
+        (film_sample){memory->first + (size_t)row * memory->target->side + column,
+                      rays->sample_x[i] - (area.x + (int32_t)column), rays->sample_y[i] - (area.y + (int32_t)row)};
+  }
+  film_add(memory->target, rays->lanes, samples, rays->radiance);
+}
+
 /* Traces what has gathered, and adds it up in the lanes' order. */
 static void flush(const tracer *made, block_work *memory) {
   packet *rays = &memory->rays;
   if (rays->lanes == 0) return;
   packet_trace(made, rays);
-  for (uint32_t i = 0; i < rays->lanes; i++)
-    for (int channel = 0; channel < 3; channel++) memory->sum[memory->pixel[i]][channel] += rays->radiance[i][channel];
+  if (memory->target)
+    add_to_film(memory);
+  else
+    for (uint32_t i = 0; i < rays->lanes; i++)
+      for (int channel = 0; channel < 3; channel++)
+        memory->sum[memory->pixel[i]][channel] += rays->radiance[i][channel];
   rays->lanes = 0;
 }
 
 /* All samples of one pixel, into packets that go on with the next pixel where they are not full. */
-static asc_status add_pixel(const tracer *made, const asc_sampler *sampler, uint64_t samples, uint32_t x, uint32_t y,
+static asc_status add_pixel(const tracer *made, const asc_sampler *sampler, uint64_t samples, int32_t x, int32_t y,
                             uint32_t number, block_work *memory) {
   packet *rays = &memory->rays;
   for (uint64_t done = 0; done < samples; done += CHUNK) {
     const uint64_t left = samples - done;
-    const asc_range range = {(int32_t)x, (int32_t)y, done, left < CHUNK ? (size_t)left : CHUNK, 0, 2};
+    const asc_range range = {x, y, done, left < CHUNK ? (size_t)left : CHUNK, 0, 2};
     asc_status status = asc_sampler_fill(sampler, &range, &memory->points[0][0]);
     if (status) return status;
     for (size_t i = 0; i < range.sample_count; i++) {
@@ -56,21 +76,36 @@ static asc_status add_pixel(const tracer *made, const asc_sampler *sampler, uint
   return ASC_OK;
 }
 
-asc_status block_render(const tracer *made, const asc_sampler *sampler, uint64_t samples, uint32_t x, uint32_t y,
-                        block_work *memory, float *pixels) {
-  const asc_view *view = &made->view;
-  const uint32_t columns = view->width - x < BLOCK_SIDE ? view->width - x : BLOCK_SIDE;
-  const uint32_t rows = view->height - y < BLOCK_SIDE ? view->height - y : BLOCK_SIDE;
-  memset(memory->sum, 0, sizeof memory->sum);
+static asc_status add_pixels(const tracer *made, const asc_sampler *sampler, uint64_t samples, block area,
+                             block_work *memory) {
   memory->rays.lanes = 0;
-  for (uint32_t i = 0; i < rows * columns; i++) {
-    asc_status status = add_pixel(made, sampler, samples, x + i % columns, y + i / columns, i, memory);
+  memory->area = area;
+  for (uint32_t i = 0; i < area.rows * area.columns; i++) {
+    asc_status status = add_pixel(made, sampler, samples, area.x + (int32_t)(i % area.columns),
+                                  area.y + (int32_t)(i / area.columns), i, memory);
     if (status) return status;
   }
   flush(made, memory);
-  for (uint32_t i = 0; i < rows * columns; i++) {
-    float *pixel = pixels + 3 * ((size_t)(y + i / columns) * view->width + x + i % columns);
+  return ASC_OK;
+}
+
+asc_status block_render(const tracer *made, const asc_sampler *sampler, uint64_t samples, block area,
+                        block_work *memory, float *pixels) {
+  memset(memory->sum, 0, sizeof memory->sum);
+  memory->target = NULL;
+  asc_status status = add_pixels(made, sampler, samples, area, memory);
+  if (status) return status;
+  for (uint32_t i = 0; i < area.rows * area.columns; i++) {
+    const size_t x = (size_t)area.x + i % area.columns, y = (size_t)area.y + i / area.columns;
+    float *pixel = pixels + 3 * (y * made->view.width + x);
     for (int channel = 0; channel < 3; channel++) pixel[channel] = (float)(memory->sum[i][channel] / (double)samples);
   }
   return ASC_OK;
+}
+
+asc_status block_add(const tracer *made, const asc_sampler *sampler, uint64_t samples, block area, const film *target,
+                     film_cell *first, block_work *memory) {
+  memory->target = target;
+  memory->first = first;
+  return add_pixels(made, sampler, samples, area, memory);
 }

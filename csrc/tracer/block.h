@@ -5,6 +5,7 @@
 #ifndef TRACER_BLOCK_H
 #define TRACER_BLOCK_H
 
+#include "film.h"
 #include "tracer.h"
 
 #define BLOCK_SIDE 4u
@@ -18,8 +19,18 @@ void block_work_free(block_work *memory);
 /* How many shadow rays were traced with this memory. */
 uint64_t block_shadow_rays(const block_work *memory);
 
-/* Renders the pixels of the block at (x, y), as far as they are in the picture. */
-asc_status block_render(const tracer *made, const asc_sampler *sampler, uint64_t samples, uint32_t x, uint32_t y,
+/* The pixels [x, x + columns) x [y, y + rows); at most BLOCK_SIDE columns and rows. */
+typedef struct block {
+  int32_t x, y;
+  uint32_t columns, rows;
+} block;
+
+/* Renders the pixels of a block that lies in the picture: the mean over each. */
+asc_status block_render(const tracer *made, const asc_sampler *sampler, uint64_t samples, block area,
                         block_work *memory, float *pixels);
+
+/* Adds the samples of a block to the cells of a film, `first` being the cell of its first pixel. */
+asc_status block_add(const tracer *made, const asc_sampler *sampler, uint64_t samples, block area, const film *target,
+                     film_cell *first, block_work *memory);
 
 #endif

@@ -29,13 +29,13 @@ typedef struct film_cell {
 typedef struct film {
   const asc_filter *filter;
   double radius;
-  int32_t reach;               /* how many pixels away a sample may count */
-  uint32_t taps;               /* how many pixels, each way, hold a sample */
-  uint32_t side;               /* cells of a tile, each way */
-  uint32_t width, height;      /* of the picture */
-  uint32_t across, down;       /* tiles */
-  uint32_t rows;               /* of tiles in a band */
-  film_cell *cells;            /* [rows + 1][across][side][side]; row r of tiles in slot r % (rows + 1) */
+  int32_t reach;          /* how many pixels away a sample may count */
+  uint32_t taps;          /* how many pixels, each way, hold a sample */
+  uint32_t side;          /* cells of a tile, each way */
+  uint32_t width, height; /* of the picture */
+  uint32_t across, down;  /* tiles */
+  uint32_t rows;          /* of tiles in a band */
+  film_cell *cells;       /* [rows + 1][across][side][side]; row r of tiles in slot r % (rows + 1) */
 } film;
 
 /* ASC_OUT_OF_MEMORY. */
@@ -45,8 +45,15 @@ void film_free(film *made);
 /* The cells of a tile. Cell (0, 0) is the pixel `reach` up and left of the tile's first. */
 film_cell *film_tile(const film *of, uint32_t column, uint32_t row);
 
-/* Adds `count` samples, in order. place: where in its own pixel each lies, (x, y) in [0, 1]; at: its own pixel's cell. */
-void film_add(const film *of, size_t count, const double (*place)[2], film_cell *const *at, const double (*radiance)[3]);
+/* A sample: its own pixel's cell, and where in that pixel it lies, in [0, 1). */
+typedef struct film_sample {
+  film_cell *cell;
+  double x, y;
+} film_sample;
+
+/* Adds at most FILM_BATCH samples, in their order. */
+#define FILM_BATCH 16
+void film_add(const film *of, size_t count, const film_sample *samples, const double (*radiance)[3]);
 
 /* One past the last row of pixels that are complete when rows [0, row) of tiles are. */
 uint32_t film_complete(const film *of, uint32_t row);

@@ -1,13 +1,12 @@
-/* Making a tracer, and dividing a picture among threads. */
-#define _POSIX_C_SOURCE 200809L /* clock_gettime, pthreads */
+/* Making a tracer, and its pictures. */
+#define _POSIX_C_SOURCE 200809L /* clock_gettime */
 #include "tracer.h"
 
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
-#include "block.h"
+#include "filtered.h"
 #include "scene.h"
 
 static double seconds(clockid_t clock) {
@@ -56,56 +55,60 @@ void tracer_destroy(tracer *made) {
   free(made);
 }
 
-/* What the threads of one picture share. */
+/* A picture of the box filter, whose units are rows of blocks. */
 typedef struct picture {
   const tracer *made;
   const asc_sampler *sampler;
   uint64_t samples; /* a pixel */
   float *pixels;
-  atomic_uint next_row; /* of blocks */
-  atomic_ullong shadow_rays;
-  atomic_int status;
 } picture;
 
-typedef struct worker {
-  picture *shared;
-  double cpu_seconds;
-  pthread_t thread;
-} worker;
-
-static void *work(void *argument) {
-  worker *self = argument;
-  picture *shared = self->shared;
-  const double begun = tracer_thread_cpu_seconds();
-  const asc_view *view = &shared->made->view;
-  const uint32_t rows = (view->height + BLOCK_SIDE - 1) / BLOCK_SIDE;
-  block_work *memory = block_work_make();
-  if (!memory) atomic_store(&shared->status, ASC_OUT_OF_MEMORY);
-  for (uint32_t row; memory && (row = atomic_fetch_add(&shared->next_row, 1)) < rows;) {
-    for (uint32_t x = 0; x < view->width; x += BLOCK_SIDE) {
-      asc_status status =
-          block_render(shared->made, shared->sampler, shared->samples, x, row * BLOCK_SIDE, memory, shared->pixels);
-      if (status) atomic_store(&shared->status, (int)status);
-    }
+static asc_status render_row(void *job, uint32_t row, block_work *memory) {
+  const picture *self = job;
+  const asc_view *view = &self->made->view;
+  const uint32_t y = row * BLOCK_SIDE;
+  for (uint32_t x = 0; x < view->width; x += BLOCK_SIDE) {
+    const block area = {(int32_t)x, (int32_t)y, view->width - x < BLOCK_SIDE ? view->width - x : BLOCK_SIDE,
+                        view->height - y < BLOCK_SIDE ? view->height - y : BLOCK_SIDE};
+    asc_status status = block_render(self->made, self->sampler, self->samples, area, memory, self->pixels);
+    if (status) return status;
   }
-  if (memory) (void)atomic_fetch_add(&shared->shadow_rays, block_shadow_rays(memory));
-  block_work_free(memory);
-  self->cpu_seconds = tracer_thread_cpu_seconds() - begun;
-  return NULL;
+  return ASC_OK;
 }
 
-/* Runs the workers, the first of them in this thread; a thread that can't be had leaves its share to the others. */
-static double run(picture *shared, worker *workers, uint32_t count) {
-  uint32_t started = 1;
-  for (uint32_t i = 0; i < count; i++) workers[i].shared = shared;
-  while (started < count && pthread_create(&workers[started].thread, NULL, work, &workers[started]) == 0) started++;
-  (void)work(&workers[0]);
-  double cpu_seconds = workers[0].cpu_seconds;
-  for (uint32_t i = 1; i < started; i++) {
-    (void)pthread_join(workers[i].thread, NULL);
-    cpu_seconds += workers[i].cpu_seconds;
+/* Whether each sample counts in its own pixel alone, and there for as much as any other. */
+static int is_box(const asc_filter *filter) {
+  asc_filter_desc resolved;
+  return asc_filter_resolved(filter, &resolved) || strcmp(resolved.spec, "box") == 0;
+}
+
+/* Renders, and counts the samples. */
+static asc_status render(const tracer *made, const tracer_desc *desc, uint64_t samples, float *pixels, crew_cost *cost,
+                         uint64_t *all_samples) {
+  const asc_view *view = &made->view;
+  const uint32_t threads = desc->threads ? desc->threads : 1;
+  if (is_box(desc->filter)) {
+    picture job = {made, desc->sampler, samples, pixels};
+    *all_samples = samples * view->width * view->height;
+    return crew_run(threads, (view->height + BLOCK_SIDE - 1) / BLOCK_SIDE, render_row, &job, cost);
   }
-  return cpu_seconds;
+  film target;
+  asc_status status = film_make(&target, desc->filter, view->width, view->height);
+  if (status) return status;
+  const uint64_t border = 2 * (uint64_t)target.reach;
+  *all_samples = samples * (view->width + border) * (view->height + border);
+  status = filtered_render(made, desc->sampler, samples, &target, threads, pixels, cost);
+  film_free(&target);
+  return status;
+}
+
+static asc_status explain(asc_status status, asc_error *error) {
+  if (status == ASC_NUMERIC)
+    return asc_fail(error, status,
+                    "the filter's weights do not add up to something positive in every pixel: take more "
+                    "samples or a wider filter");
+  if (status == ASC_OUT_OF_MEMORY) return asc_fail(error, status, "out of memory");
+  return asc_fail(error, status, "the sampler failed: %s", asc_status_text(status));
 }
 
 asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, tracer_cost *cost, asc_error *error) {
@@ -117,23 +120,14 @@ asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, t
     return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_render: the sampler needs two dimensions");
   if (asc_sampler_traits(desc->sampler) & ASC_TRAIT_WEIGHTED)
     return asc_fail(error, ASC_UNSUPPORTED, "the tracer takes samplers whose points weigh the same");
-  const uint32_t threads = desc->threads ? desc->threads : 1;
-  worker *workers = calloc(threads, sizeof *workers);
-  if (!workers) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
-  picture shared = {.made = made, .sampler = desc->sampler, .samples = sampling.samples, .pixels = pixels};
+  crew_cost spent = {0};
+  uint64_t samples = 0;
   const double begun = seconds(CLOCK_MONOTONIC);
-  const double cpu_seconds = run(&shared, workers, threads);
-  free(workers);
-  status = (asc_status)atomic_load(&shared.status);
-  if (status) return asc_fail(error, status, "the sampler failed: %s", asc_status_text(status));
-  if (cost) {
-    const uint64_t samples = sampling.samples * made->view.width * made->view.height;
-    *cost = (tracer_cost){samples,
-                          samples,
-                          cpu_seconds,
-                          seconds(CLOCK_MONOTONIC) - begun,
-                          made->build_cpu_seconds,
-                          atomic_load(&shared.shadow_rays)};
-  }
+  status = render(made, desc, sampling.samples, pixels, &spent, &samples);
+  if (status) return explain(status, error);
+  if (cost)
+    *cost = (tracer_cost){
+        samples,          samples, spent.cpu_seconds, seconds(CLOCK_MONOTONIC) - begun, made->build_cpu_seconds,
+        spent.shadow_rays};
   return ASC_OK;
 }

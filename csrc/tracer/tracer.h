@@ -7,6 +7,7 @@
 #define TRACER_H
 
 #include "aliascope/base.h"
+#include "aliascope/filter.h"
 #include "aliascope/sampler.h"
 #include "aliascope/scene.h"
 
@@ -21,10 +22,11 @@ typedef struct tracer_desc {
   size_t struct_size;
   const asc_sampler *sampler; /* its N is the number of samples a pixel; at least 2 dimensions; not owned */
   uint32_t threads;           /* 0: 1 */
+  const asc_filter *filter;   /* NULL: box; not owned */
 } tracer_desc;
 
 typedef struct tracer_cost {
-  uint64_t samples; /* all of them */
+  uint64_t samples; /* all of them, those in pixels beyond the picture that a filter reaches too */
   uint64_t primary_rays;
   double cpu_seconds; /* of the rendering threads together, without the build */
   double wall_seconds;
@@ -32,8 +34,9 @@ typedef struct tracer_cost {
   uint64_t shadow_rays;
 } tracer_cost;
 
-/* Renders into `pixels`, [height][width][3] float, linear RGB: the box filter's mean over each pixel, summed in double
- * in the order of the samples. `cost` may be NULL. */
+/* Renders into `pixels`, [height][width][3] float, linear RGB, summed in double: with the box, each pixel's mean; with
+ * another filter, the mean of all samples that it reaches, weighted by it. ASC_NUMERIC where the weights of a pixel do
+ * not add up to something positive, as they may with few samples and negative lobes. `cost` may be NULL. */
 ASC_API asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, tracer_cost *cost,
                                  asc_error *error);
 

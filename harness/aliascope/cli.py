@@ -223,8 +223,7 @@ def error(
     from aliascope.studies import error_maps
 
     wanted = metrics.chosen(metric)
-    if map_ is not None:
-        error_maps.check_map_path(map_)
+    error_maps.check_map(map_, map_scale)
     pair = error_maps.open_pair(image, reference, colour_space, reference_colour_space)
     measured = metrics.measure(pair[0].pixels, pair[1].pixels, wanted)
     scale = error_maps.write_map(map_, *pair, map_scale) if map_ is not None else None

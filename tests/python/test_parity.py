@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from aliascope import api, references, scene_io
+from aliascope.geometry import frame_of
 from aliascope.model import Scene
 from aliascope.renderers import RENDERERS, mode_of
 from aliascope.renderers.base import Request
@@ -67,3 +68,37 @@ def test_another_size_keeps_the_vertical_extent(name: str) -> None:
     narrow = api.render("edge", name, mode, size=(64, 48)).pixels
     wide = api.render("edge", name, mode, size=(128, 48)).pixels
     assert np.array_equal(wide[:, 32:96], narrow)
+
+
+@pytest.mark.parametrize("name", list(RENDERERS))
+def test_a_camera_inside_a_sphere_sees_its_inner_side(name: str) -> None:
+    """And what else is in there; with one sample a pixel, at the same places in all three."""
+    scene = Scene.model_validate(
+        {
+            "title": "inside",
+            "shows": "the inner side",
+            "view": {"size": (32, 24), "background": (0, 0, 0.5)},
+            "camera": {
+                "type": "perspective",
+                "eye": (0.1, 0.2, 0.3),
+                "look_at": (1, 0.3, 0),
+                "vertical_fov_degrees": 70,
+            },
+            "materials": {"wall": {"emission": (0.5, 0.25, 0.75)}, "ball": {"emission": (0.125, 1, 0.25)}},
+            "surfaces": [
+                {"type": "sphere", "material": "wall", "centre": (0, 0, 0), "radius": 2},
+                {"type": "sphere", "material": "ball", "centre": (1.2, 0.3, -0.2), "radius": 0.3},
+            ],
+        }
+    )
+    mode = {"embree": "uniform:n=1,sampler=regular", "osmesa": "none", "povray": "none"}[name]
+    pixels = RENDERERS[name].render(Request(scene, 32, 24, mode_of(RENDERERS[name], mode))).pixels
+    green = np.round(pixels[:, :, 1], 3)
+    assert set(np.unique(green)) == {0.25, 1.0}
+    frame = frame_of(scene, (32, 24))
+    x, y = np.meshgrid(np.arange(32) + 0.5, np.arange(24) + 0.5)
+    u, v = (2 * x / 32 - 1) * frame.half_width, (1 - 2 * y / 24) * frame.half_height
+    ray = frame.forward + u[..., np.newaxis] * frame.right + v[..., np.newaxis] * frame.up
+    toward = np.array([1.2, 0.3, -0.2]) - frame.eye
+    along = ray @ toward / np.linalg.norm(ray, axis=2)
+    assert np.array_equal(green == 1.0, toward @ toward - along**2 < 0.09)

@@ -9,8 +9,8 @@ import numpy as np
 from aliascope.errors import CheckFailed, InvalidInput, near_misses
 from aliascope.metrics.base import Measured, Metric
 from aliascope.metrics.differences import bias, largest, mae, p99, psnr, relative_mse, rmse
-from aliascope.metrics.perceptual import flip, ssim
 from aliascope.metrics.local_structure import structure
+from aliascope.metrics.perceptual import flip, ssim
 from aliascope.records import Pixels
 
 __all__ = ["METRICS", "Measured", "Metric", "check_finite", "chosen", "measure"]

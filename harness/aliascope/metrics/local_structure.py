@@ -2,11 +2,11 @@
 
 Independent samples in each pixel leave errors that know nothing of each other: white noise, which the eye forgives. The
 same pattern of samples in every pixel leaves errors that repeat: moiré, staircases, Cook's "aliases" (Cook 1986,
-"Stochastic sampling in computer graphics"). At equal RMSE the two differ in their *local* spectra alone, flat or peaked:
-the moiré of a zone plate runs through all frequencies, and over the whole picture its spectrum is as flat as noise.
+"Stochastic sampling in computer graphics"). At equal RMSE the two differ in their *local* spectra, flat or peaked: the
+moiré of a zone plate runs through all frequencies, and over the whole picture its spectrum is as flat as noise.
 
-By the theorem of Wiener and Khinchin a spectrum is flat where the autocovariance is 0 at each lag but 0, so that is what
-is measured, in blocks of 8 x 8 pixels. e(p) is the error at pixel p (its channels make it a vector), q_t(p) =
+By the theorem of Wiener and Khinchin a spectrum is flat where the autocovariance is 0 at each lag but 0, so that is
+what is measured, in blocks of 8 x 8 pixels. e(p) is the error at pixel p (its channels make it a vector), q_t(p) =
 e(p) . e(p + t) the product of a pair of pixels that lie t apart:
 
     ratio = sum over lags t and blocks B of (sum over p in B of q_t(p))^2  /  sum over t and p of q_t(p)^2
@@ -18,9 +18,9 @@ or normal noise. By Cauchy and Schwarz the ratio is at most 64, the pixels of a 
     structure = (ratio - 1) / (64 - 1)
 
 is 0 for such noise, at most 1, and at least -1/63. An error that is the same everywhere has 1 (but for the pairs that
-the blocks at the border lack), a plane wave cos(k.p) has about 1/2: its products are (cos(k.t) + cos(k.(2p + t))) / 2,
-of which the second term adds nothing to a block's sum and half of the squares. It is quadratic: where the share s of the
-error's power is structured and the rest is noise, it is about s^2 of what the structure alone has.
+the blocks at the border lack), a plane wave cos(k.p) has about 1/2: its products are (cos(k.t) + cos(k.(2p + t))) /
+2, of which the second term adds nothing to a block's sum and half of the squares. It is quadratic: where the share s of
+the error's power is structured and the rest is noise, it is about s^2 of what the structure alone has.
 
 Under noise its standard deviation is near sqrt(2 sum over t, B of (sum in B of q_t^2)^2) / (63 sum of q_t^2), as each
 block's sum is nearly normal: 0.0005 for 128 x 96 pixels of normal noise, more for fewer pixels with an error.

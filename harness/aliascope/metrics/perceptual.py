@@ -11,8 +11,8 @@ SSIM_WINDOW = 11
 """Pixels of a side of SSIM's window: the Gaussian is cut at int(3.5 sigma + 0.5) = 5 pixels from its middle."""
 
 SSIM_LARGEST = 2.0**15
-"""The largest value whose SSIM is told. Variances are differences of mean squares, wrong by some eps v^2 = 2e-7 for this
-v, and stand beside the constant (0.03)^2 = 9e-4: brighter pictures of little contrast would get any number."""
+"""The largest value whose SSIM is told. Variances are differences of mean squares, wrong by some eps v^2 = 2e-7 for
+this v, and stand beside the constant (0.03)^2 = 9e-4: brighter pictures of little contrast would get any number."""
 
 
 def ssim(image: Array, reference: Array) -> Measured:
@@ -30,7 +30,7 @@ def ssim(image: Array, reference: Array) -> Measured:
         return no_value("ssim", f"values up to {brightest:.3g} leave no digits for a data range of 1")
     from skimage.metrics import structural_similarity  # takes a quarter of a second to load
 
-    value = structural_similarity(
+    value = structural_similarity(  # type: ignore[no-untyped-call]
         image,
         reference,
         data_range=1.0,
@@ -51,7 +51,7 @@ def flip(image: Array, reference: Array) -> Measured:
     """
     if image.shape[2] != 3:
         return no_value("flip", f"it needs red, green and blue, and the pictures have {image.shape[2]} channels")
-    import flip_evaluator
+    import flip_evaluator  # type: ignore[import-untyped]
 
     # Clipped here, in double: its own conversion to float would overflow first. It takes the reference first.
     shown = [np.clip(pixels, 0.0, 1.0).astype(np.float32) for pixels in (reference, image)]

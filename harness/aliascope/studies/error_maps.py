@@ -1,4 +1,4 @@
-"""`aliascope error`: any two pictures as linear values, or why they can't be compared, and a map of their difference."""
+"""`aliascope error`: two pictures as linear values, or why they can't be compared, and a map of their difference."""
 
 from __future__ import annotations
 
@@ -99,8 +99,8 @@ def open_pair(
     """Two pictures as linear values, which metrics are defined on.
 
     `stated` and `reference_stated` say what the files hold, "linear" or "srgb", over what they say themselves. Two
-    pictures that say they are sRGB are decoded, both. Raises InvalidInput where size, window or channels differ, where a
-    picture's colour space is unknown or another, and where one is sRGB, one linear, and nobody has said that this is
+    pictures that say they are sRGB are decoded, both. Raises InvalidInput where size, window or channels differ, where
+    a picture's colour space is unknown or another, and where one is sRGB, one linear, and nobody has said that this is
     meant. Other bit depths are no hindrance once the colour space is known: `Stored.format` tells them.
     """
     for option, value in zip(OPTIONS, (stated, reference_stated), strict=True):
@@ -152,9 +152,9 @@ def _known(stored: Stored, option: str) -> str:
             f"say it with {option} srgb or {option} linear"
         )
     raise InvalidInput(
-        f'{stored.path} is in the colour space "{stored.colour_space}": make it linear Rec. 709 first, as with oiiotool '
-        f"{stored.path} --tocolorspace lin_rec709_scene -o linear.exr, or say with {option} what its values are to be "
-        "taken for, linear or srgb"
+        f'{stored.path} is in the colour space "{stored.colour_space}": make it linear Rec. 709 first, as with '
+        f"oiiotool {stored.path} --tocolorspace lin_rec709_scene -o linear.exr, or say with {option} what its values "
+        "are to be taken for, linear or srgb"
     )
 
 
@@ -180,20 +180,25 @@ def decode_srgb(encoded: NDArray[np.float32]) -> Pixels:
 # --- drawing ----------------------------------------------------------------------------------------------------------
 
 
-def check_map_path(path: Path) -> None:
-    """Raises InvalidInput for an ending that no map is written as."""
-    if path.suffix.lower() not in (".png", ".exr"):
+def check_map(path: Path | None, scale: float | None) -> None:
+    """Raises InvalidInput for an ending that no map is written as, and a scale without a drawing or that is none."""
+    ending = path.suffix.lower() if path else ""
+    if path and ending not in (".png", ".exr"):
         raise InvalidInput(f'{path}: a map is written as .png (drawn) or .exr (values), not "{path.suffix}"')
+    if scale is not None and ending != ".png":
+        raise InvalidInput("a map's scale is that of a drawing: name one with --map OUT.png")
+    if scale is not None and not (math.isfinite(scale) and scale > 0.0):
+        raise InvalidInput(f"a map's scale is a positive number, not {scale}")
 
 
 def write_map(path: Path, image: Opened, reference: Opened, scale: float | None = None) -> float | None:
     """Writes the signed error image - reference; gives the scale of a drawing.
 
     .exr: float32, of each channel. .png: the mean over channels from -scale (blue, too dark) over 0 (white) to scale
-    (red, too bright), at whole-pixel zoom, with a legend; what lies beyond has the end's colour, and the legend says how
-    many pixels. `scale`: the largest of the picture if not given. Raises InvalidInput, CheckFailed, NotWritable.
+    (red, too bright), at whole-pixel zoom, with a legend; what lies beyond has the end's colour, and the legend says
+    how many pixels. `scale`: the largest of the picture if not given. Raises InvalidInput, CheckFailed, NotWritable.
     """
-    check_map_path(path)
+    check_map(path, scale)
     for opened, what in ((image, "the picture"), (reference, "the reference")):
         check_finite(opened.pixels, what)
     error = image.pixels.astype(np.float64) - reference.pixels
@@ -208,8 +213,6 @@ def write_map(path: Path, image: Opened, reference: Opened, scale: float | None 
     mean = error.mean(axis=2)
     if scale is None:
         scale = float(np.abs(mean).max()) or 1.0
-    elif not (math.isfinite(scale) and scale > 0.0):
-        raise InvalidInput(f"a map's scale is a positive number, not {scale}")
     title = f"{image.stored.path.name} − {reference.stored.path.name}"
     try:
         _draw(path, mean, scale, title)
