@@ -29,7 +29,7 @@ static double panel(const asc_filter_interface *interface, const double *values,
 double asc_profile_integral(const asc_filter_interface *interface, const double *values, double end, double frequency) {
   const uint32_t pieces = interface->pieces(values);
   const double width = interface->radius(values) / pieces;
-  const uint32_t panels = (uint32_t)ceil(fmax(1.0, width * fabs(frequency))); /* in a piece */
+  const uint32_t panels = (uint32_t)ceil(fmax(1.0, width * frequency)); /* in a piece */
   double sum = 0.0;
   for (uint32_t piece = 0; piece < pieces && piece * width < end; piece++) {
     const double begin = piece * width, length = fmin(width, end - begin);

@@ -4,7 +4,7 @@
 
 #include "profile.h"
 
-/* The integral of profile(x) cos(2 pi frequency x) from 0 to `end`, at most the radius. */
+/* The integral of profile(x) cos(2 pi frequency x) from 0 to `end`, at most the radius, for frequency >= 0. */
 double asc_profile_integral(const asc_filter_interface *interface, const double *values, double end, double frequency);
 
 #endif

@@ -6,6 +6,7 @@
 #include "profile.h"
 #include "quadrature.h"
 #include "spec.h"
+#include "vectorise.h"
 
 /* One line a filter. */
 #define BUILT_IN_FILTERS(X) X(box) X(tent) X(gaussian) X(mitchell) X(catmull_rom) X(lanczos) X(blackman_harris)
@@ -102,6 +103,7 @@ asc_status asc_filter_resolved(const asc_filter *filter, asc_filter_desc *desc) 
 
 double asc_filter_radius(const asc_filter *filter) { return filter ? filter->radius : 0.0; }
 
+ASC_VECTORISE
 asc_status asc_filter_evaluate(const asc_filter *filter, const double *x, size_t n, double *values) {
   enum { CHUNK = 256 };
   if (!filter || (n && (!x || !values))) return ASC_INVALID_ARGUMENT;
@@ -136,7 +138,7 @@ asc_status asc_filter_response(const asc_filter *filter, const double *frequenci
   for (size_t i = 0; i < n; i++)
     if (!(fabs(frequencies[i]) <= ASC_FILTER_FREQUENCY_MOST)) return ASC_INVALID_ARGUMENT;
   for (size_t i = 0; i < n; i++)
-    response[i] =
-        2.0 * filter->scale * asc_profile_integral(filter->interface, filter->values, filter->radius, frequencies[i]);
+    response[i] = 2.0 * filter->scale *
+                  asc_profile_integral(filter->interface, filter->values, filter->radius, fabs(frequencies[i]));
   return ASC_OK;
 }

@@ -263,7 +263,7 @@ static asc_status finish(builder *b, asc_error *error) {
     vertex to = {{(float)from->x, (float)-from->y, (float)reversed_depth(b, from->depth)}, from->surface};
     made->vertices[i] = to;
   }
-  const size_t triangles_end = made->first[SHAPE_DISC * BATCHES_OF_SHAPE];
+  const size_t triangles_end = made->first[BATCHES_OF_SHAPE]; /* their batches come first */
   for (size_t i = 0; i < triangles_end; i += 3) {
     set_triangle_depth(b, &made->surfaces[made->vertices[i].surface]);
   }

@@ -17,13 +17,7 @@
 #include "aliascope/base.h"
 #include "aliascope/scene.h"
 
-typedef enum shape {
-  SHAPE_TRIANGLE = 0,
-  SHAPE_DISC = 1,
-  SHAPE_SPHERE = 2,
-  SHAPE_PLANE = 3,
-  SHAPE_COUNT = 4
-} shape;
+typedef enum shape { SHAPE_TRIANGLE = 0, SHAPE_DISC = 1, SHAPE_SPHERE = 2, SHAPE_PLANE = 3, SHAPE_COUNT = 4 } shape;
 
 /* Surfaces that one shader program draws: of one shape and kind of pattern, in the light or not. */
 typedef struct batch_kind {

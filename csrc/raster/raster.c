@@ -11,6 +11,7 @@
 #include "context.h"
 #include "geometry.h"
 #include "gl.h"
+#include "lighting.h"
 #include "shaders.h"
 #include "target.h"
 #include "validate.h"
@@ -29,12 +30,13 @@ struct raster {
   bool perspective;
   pass_block pass;
   size_t first[BATCH_COUNT + 1];
-  GLuint vertex_array, vertices, surfaces, materials, pass_buffer;
+  light_counts lit_by;
+  GLuint vertex_array, vertices, surfaces, materials, lights, occluders, pass_buffer;
   target single, multiple; /* made when first asked for */
-  GLuint programs[2][BATCH_COUNT];
-  bool warm[2]; /* the driver's code for the programs is there */
-  float *frame; /* [height][width][4] */
-  double *sum;  /* [height][width][3] */
+  GLuint programs[WAY_COUNT][BATCH_COUNT];
+  bool warm[WAY_COUNT]; /* the driver's code for the programs is there */
+  float *frame;         /* [height][width][4] */
+  double *sum;          /* [height][width][3] */
 };
 
 static double seconds(clockid_t which) {
@@ -88,6 +90,22 @@ static asc_status load_geometry(raster *made, const geometry *shapes, asc_error 
   return status == ASC_OK ? gl_check("loading the scene", error) : status;
 }
 
+static asc_status load_lighting(raster *made, const lighting *light, asc_error *error) {
+  made->lit_by = light->counts;
+  if (light->counts.lights == 0) {
+    return ASC_OK;
+  }
+  glGenBuffers(1, &made->lights);
+  glGenBuffers(1, &made->occluders);
+  asc_status status =
+      load_storage(made->lights, BINDING_LIGHTS, light->lights, light->counts.lights * sizeof *light->lights, error);
+  if (status == ASC_OK) {
+    status = load_storage(made->occluders, BINDING_OCCLUDERS, light->occluders,
+                          (light->occluder_fours + 1) * sizeof *light->occluders, error);
+  }
+  return status == ASC_OK ? gl_check("loading the lights", error) : status;
+}
+
 static asc_status set_state(asc_error *error) {
   /* Of OpenGL 4.5, but libOSMesa 22.3 does not export it. */
   context_function address = context_address("glClipControl");
@@ -119,6 +137,15 @@ static asc_status set_up(raster *made, const asc_scene *scene, asc_error *error)
   }
   status = load_geometry(made, &shapes, error);
   geometry_destroy(&shapes);
+  if (status != ASC_OK) {
+    return status;
+  }
+  lighting light;
+  status = lighting_create(scene, &light, error);
+  if (status == ASC_OK) {
+    status = load_lighting(made, &light, error);
+    lighting_destroy(&light);
+  }
   return status;
 }
 
@@ -139,6 +166,9 @@ asc_status raster_create(const asc_scene *scene, raster **made, asc_error *error
   fresh->perspective = scene->view.projection == ASC_PERSPECTIVE;
   for (int i = 0; i < 3; ++i) {
     fresh->background[i] = (float)scene->view.background[i];
+    fresh->pass.frame[0][i] = scene->view.right[i];
+    fresh->pass.frame[1][i] = scene->view.up[i];
+    fresh->pass.frame[2][i] = scene->view.forward[i];
   }
   fresh->background[3] = 1.0F;
   status = context_create(&fresh->gl, error);
@@ -167,8 +197,7 @@ void raster_destroy(raster *made) {
 }
 
 /* What a way of drawing needs and does not have yet: targets, programs, room for the picture. */
-static asc_status prepare(raster *by, uint32_t samples, asc_error *error) {
-  const bool multisampled = samples > 1;
+static asc_status prepare(raster *by, way how, asc_error *error) {
   const size_t pixels = (size_t)by->width * by->height;
   if (!by->frame) {
     by->frame = malloc(pixels * 4 * sizeof *by->frame);
@@ -183,27 +212,27 @@ static asc_status prepare(raster *by, uint32_t samples, asc_error *error) {
   if (!by->single.framebuffer) {
     status = target_create(by->width, by->height, 1, 1, &by->single, error);
   }
-  if (status == ASC_OK && multisampled && !by->multiple.framebuffer) {
-    status = target_create(by->width, by->height, samples, 1, &by->multiple, error);
+  if (status == ASC_OK && how != WAY_SINGLE && !by->multiple.framebuffer) {
+    status = target_create(by->width, by->height, MULTISAMPLES, 1, &by->multiple, error);
   }
   for (size_t batch = 0; batch < BATCH_COUNT && status == ASC_OK; ++batch) {
-    GLuint *program = &by->programs[multisampled][batch];
+    GLuint *program = &by->programs[how][batch];
     if (by->first[batch] < by->first[batch + 1] && !*program) {
-      status = shaders_create(batch, by->perspective, multisampled, program, error);
+      status = shaders_create(batch, by->perspective, how, &by->lit_by, program, error);
     }
   }
   return status;
 }
 
 /* Draws one pass. `warming`: the first triangle of each batch, for the driver to make its code. */
-static void draw(raster *by, bool multisampled, const double offset[2], bool warming) {
+static void draw(raster *by, way how, const double offset[2], bool warming) {
   pass_block pass = by->pass;
   pass.shift[0] = offset[0] - 0.5;
   pass.shift[1] = offset[1] - 0.5;
   pass.move[0] = (float)(2.0 * (EDGE_BIAS_PX - pass.shift[0]) / by->width);
   pass.move[1] = (float)(2.0 * (EDGE_BIAS_PX - pass.shift[1]) / by->height);
   glBufferSubData(GL_UNIFORM_BUFFER, 0, sizeof pass, &pass);
-  glBindFramebuffer(GL_FRAMEBUFFER, multisampled ? by->multiple.framebuffer : by->single.framebuffer);
+  glBindFramebuffer(GL_FRAMEBUFFER, how == WAY_SINGLE ? by->single.framebuffer : by->multiple.framebuffer);
   glViewport(0, 0, (GLsizei)by->width, (GLsizei)by->height);
   static const GLfloat farthest = 0.0F;
   glClearBufferfv(GL_COLOR, 0, by->background);
@@ -213,21 +242,21 @@ static void draw(raster *by, bool multisampled, const double offset[2], bool war
     if (count == 0) {
       continue;
     }
-    if (multisampled && shades_samples(batch)) {
+    if (runs_for_samples(batch, how)) {
       glEnable(GL_SAMPLE_SHADING);
     } else {
       glDisable(GL_SAMPLE_SHADING);
     }
-    glUseProgram(by->programs[multisampled][batch]);
+    glUseProgram(by->programs[how][batch]);
     glDrawArrays(GL_TRIANGLES, (GLint)by->first[batch], warming ? 3 : (GLsizei)count);
   }
 }
 
 /* Brings the pass into by->frame. The picture was drawn with y down, so OpenGL's lowest row is the top one. */
-static void read_back(raster *by, bool multisampled) {
+static void read_back(raster *by, way how) {
   const GLint width = (GLint)by->width;
   const GLint height = (GLint)by->height;
-  if (multisampled) {
+  if (how != WAY_SINGLE) {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, by->multiple.framebuffer);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, by->single.framebuffer);
     glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
@@ -264,6 +293,9 @@ static asc_status check_desc(const raster_desc *desc, asc_error *error) {
   if (desc->samples_per_pass != 1 && desc->samples_per_pass != MULTISAMPLES) {
     return asc_fail(error, ASC_UNSUPPORTED, "%u samples a pass: llvmpipe has 1 or 4", desc->samples_per_pass);
   }
+  if (desc->sample_shading > 1) {
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "sample_shading is 0 or 1, not %u", desc->sample_shading);
+  }
   if (desc->pass_count < 1 || !desc->offsets || !desc->weights) {
     return asc_fail(error, ASC_INVALID_ARGUMENT, "a picture needs one pass at least, with its offset and weight");
   }
@@ -281,23 +313,23 @@ static asc_status check_desc(const raster_desc *desc, asc_error *error) {
 }
 
 static asc_status render(raster *by, const raster_desc *desc, float *pixels, raster_cost *cost, asc_error *error) {
-  const bool multisampled = desc->samples_per_pass > 1;
-  asc_status status = prepare(by, desc->samples_per_pass, error);
+  const way how = desc->samples_per_pass == 1 ? WAY_SINGLE : desc->sample_shading ? WAY_SAMPLE : WAY_PIXEL;
+  asc_status status = prepare(by, how, error);
   if (status != ASC_OK) {
     return status;
   }
-  if (!by->warm[multisampled]) {
-    draw(by, multisampled, desc->offsets, true);
-    read_back(by, multisampled);
-    by->warm[multisampled] = true;
+  if (!by->warm[how]) {
+    draw(by, how, desc->offsets, true);
+    read_back(by, how);
+    by->warm[how] = true;
   }
   /* Of the process: llvmpipe may have been left threads of its own, and their time counts. */
   const double cpu_start = seconds(CLOCK_PROCESS_CPUTIME_ID);
   const double wall_start = seconds(CLOCK_MONOTONIC);
   memset(by->sum, 0, (size_t)by->width * by->height * 3 * sizeof *by->sum);
   for (size_t i = 0; i < desc->pass_count; ++i) {
-    draw(by, multisampled, desc->offsets + 2 * i, false);
-    read_back(by, multisampled);
+    draw(by, how, desc->offsets + 2 * i, false);
+    read_back(by, how);
     add_frame(by, desc->weights[i]);
   }
   status = hand_out(by, pixels, error);

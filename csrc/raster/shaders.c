@@ -1,127 +1,23 @@
-/* The shaders.
+/* Programs, put together from the texts of shader_text.c.
  *
- * A triangle is cut out by the rasteriser. A disc or a sphere is a rectangle, out of which the fragment shader takes
- * what the ray through the sample hits, so that its outline is exact; with several samples a pixel it runs for each.
- * Patterns are evaluated once a pixel, at its centre, with the hit and the phase in double: a phase of thousands of
- * radians has no digits left in float.
+ * A triangle is cut out by the rasteriser. A disc, a sphere or an endless plane is a rectangle, out of which the
+ * fragment shader takes what the ray through the sample hits, so that its outline, or its horizon, is exact; with
+ * several samples a pixel it runs for each. Patterns and light are evaluated once a pixel, at its centre, or for each
+ * sample.
  *
- * A triangle's depth is written by the shader too where there is one sample. The rasteriser's interpolation in float
- * loses 2^-24 of the depth at the nearest corner; with several samples it is the only one that knows their places.
+ * A triangle's depth is written by the shader too where it runs for each sample. The rasteriser's interpolation in
+ * float loses 2^-24 of the depth at the nearest corner; where the shader runs once for several samples it is the only
+ * one that knows their places.
  */
 #include "shaders.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The sources stay below 4095 characters each, the longest literal that C11 promises. */
-static const char version_line[] = "#version 450 core\n";
+#include "shader_text.h"
 
-static const char blocks[] = "struct Surface { dvec4 form; dvec4 plane; uint material; };\n"
-                             "struct Material { dvec4 origin_scale; vec4 emission; vec4 low; vec4 high; };\n"
-                             "layout(std430, binding = 0) readonly buffer Surfaces { Surface surfaces[]; };\n"
-                             "layout(std430, binding = 1) readonly buffer Materials { Material materials[]; };\n"
-                             "layout(std140, binding = 0) uniform Pass {\n"
-                             "  dvec2 scale; dvec2 base; dvec2 depth; dvec2 shift; vec2 move;\n"
-                             "};\n";
-
-static const char vertex_source[] = "layout(location = 0) in vec3 position;\n"
-                                    "layout(location = 1) in uint surface;\n"
-                                    "flat out dvec4 form;\n"
-                                    "flat out dvec4 plane;\n"
-                                    "flat out vec3 emission;\n"
-                                    "flat out uint material;\n"
-                                    "void main() {\n"
-                                    "  gl_Position = vec4(position.xy + move, position.z, 1.0);\n"
-                                    "  form = surfaces[surface].form;\n"
-                                    "  plane = surfaces[surface].plane;\n"
-                                    "  material = surfaces[surface].material;\n"
-                                    "  emission = materials[material].emission.rgb;\n"
-                                    "}\n";
-
-static const char fragment_inputs[] = "flat in dvec4 form;\n"
-                                      "flat in dvec4 plane;\n"
-                                      "flat in vec3 emission;\n"
-                                      "flat in uint material;\n"
-                                      "layout(location = 0) out vec4 colour;\n"
-                                      /* u, v of the ray through a picture position, in pixels */
-                                      "dvec2 ray(dvec2 at) { return base + scale * at; }\n"
-                                      "float reversed_depth(double z) {\n"
-                                      "#ifdef PERSPECTIVE\n"
-                                      "  return min(float(depth.x / z), 1.0);\n"
-                                      "#else\n"
-                                      "  return float(depth.x + depth.y * z);\n"
-                                      "#endif\n"
-                                      "}\n";
-
-/* hit(uv, p): where the ray meets the surface, in camera coordinates. nearest(uv, p): where its unbounded surface is
- * met, or nearly, for a pixel's centre that lies beside the surface; false where that says nothing. */
-static const char plane_source[] = "bool nearest(dvec2 uv, out dvec3 p) {\n"
-                                   "#ifdef PERSPECTIVE\n"
-                                   "  double z = plane.w / (plane.x * uv.x + plane.y * uv.y + plane.z);\n"
-                                   "  p = dvec3(uv * z, z);\n"
-                                   "#else\n"
-                                   "  double z = (plane.w - plane.x * uv.x - plane.y * uv.y) / plane.z;\n"
-                                   "  p = dvec3(uv, z);\n"
-                                   "#endif\n"
-                                   /* false for infinity and NaN too */
-                                   "  return z > 0.0 && z < 1.0e40LF;\n"
-                                   "}\n"
-                                   "#ifdef DISC\n"
-                                   "bool hit(dvec2 uv, out dvec3 p) {\n"
-                                   "  if (!nearest(uv, p)) return false;\n"
-                                   "  dvec3 r = p - form.xyz;\n"
-                                   "  return dot(r, r) <= form.w * form.w;\n"
-                                   "}\n"
-                                   "#endif\n";
-
-/* The ray is start + t direction; q is where it passes the centre, so that nothing large cancels. */
-static const char sphere_source[] = "bool meet(dvec2 uv, bool clamped, out dvec3 p) {\n"
-                                    "#ifdef PERSPECTIVE\n"
-                                    "  dvec3 start = dvec3(0.0), direction = dvec3(uv, 1.0);\n"
-                                    "#else\n"
-                                    "  dvec3 start = dvec3(uv, 0.0), direction = dvec3(0.0, 0.0, 1.0);\n"
-                                    "#endif\n"
-                                    "  double square = dot(direction, direction);\n"
-                                    "  double middle = dot(direction, form.xyz - start) / square;\n"
-                                    "  dvec3 q = start + middle * direction - form.xyz;\n"
-                                    "  double inside = form.w * form.w - dot(q, q);\n"
-                                    "  double half_chord = sqrt(max(inside, 0.0LF) / square);\n"
-                                    "  double near = middle - half_chord, far = middle + half_chord;\n"
-                                    "  double t = near > 0.0 ? near : far;\n"
-                                    "  p = start + t * direction;\n"
-                                    "  return t > 0.0 && (clamped || inside >= 0.0);\n"
-                                    "}\n"
-                                    "bool hit(dvec2 uv, out dvec3 p) { return meet(uv, false, p); }\n"
-                                    "bool nearest(dvec2 uv, out dvec3 p) { return meet(uv, true, p); }\n";
-
-static const char pattern_source[] = "vec3 pattern(dvec2 at) {\n"
-                                     "  Material m = materials[material];\n"
-                                     "  dvec3 p;\n"
-                                     /* a plane seen from the side: as much of the one as of the other */
-                                     "  if (!nearest(ray(at), p)) return mix(m.low.rgb, m.high.rgb, 0.5);\n"
-                                     "  p -= m.origin_scale.xyz;\n"
-                                     "  double turns = m.origin_scale.w * dot(p, p) * 0.15915494309189533577LF;\n"
-                                     "  float angle = float((turns - floor(turns + 0.5LF)) * "
-                                     "6.28318530717958647693LF);\n"
-                                     "  return m.low.rgb + (m.high.rgb - m.low.rgb) * (0.5 + 0.5 * cos(angle));\n"
-                                     "}\n";
-
-static const char fragment_main[] = "void main() {\n"
-                                    "  dvec2 at = dvec2(gl_FragCoord.xy) + shift;\n"
-                                    "#ifdef ROUND\n"
-                                    "  dvec3 p;\n"
-                                    "  if (!hit(ray(at), p)) discard;\n"
-                                    "  gl_FragDepth = reversed_depth(p.z);\n"
-                                    "#elif !defined(MULTISAMPLED)\n"
-                                    "  gl_FragDepth = clamp(float(form.x * at.x + form.y * at.y + form.z), 0.0, 1.0);\n"
-                                    "#endif\n"
-                                    "  colour = vec4(emission, 1.0);\n"
-                                    "#ifdef PATTERN\n"
-                                    "  colour.rgb *= pattern(dvec2(floor(gl_FragCoord.xy) + 0.5) + shift);\n"
-                                    "#endif\n"
-                                    "}\n";
-
-enum { MOST_SOURCES = 12, LOG_CAPACITY = 256 };
+enum { MOST_SOURCES = 12, MOST_DEFINES = 400, LOG_CAPACITY = 256 };
 
 typedef struct source_list {
   const char *texts[MOST_SOURCES];
@@ -130,37 +26,38 @@ typedef struct source_list {
 
 static void add(source_list *list, const char *text) { list->texts[list->count++] = text; }
 
-static source_list fragment_sources(size_t batch, bool perspective, bool multisampled) {
-  const bool patterned = batch % 2 == 1;
-  const shape what = (shape)(batch / 2);
+static const char *define_if(bool wanted, const char *line) { return wanted ? line : ""; }
+
+/* What the texts ask for. LIFT: a few thousand roundings of a double, and a few ten-thousandths of one of a float. */
+static void write_defines(char *to, batch_kind kind, bool perspective, way how, const light_counts *counts) {
+  (void)snprintf(to, MOST_DEFINES,
+                 "%s%s%s%s%s%s%s"
+                 "#define LIFT 9.094947017729282e-13LF\n" /* 2^-40 */
+                 "#define LIGHTS %zu\n#define SPHERES %zu\n#define PLANES %zu\n"
+                 "#define DISCS %zu\n#define TRIANGLES %zu\n",
+                 define_if(perspective, "#define PERSPECTIVE\n"), define_if(how == WAY_PIXEL, "#define ONCE_A_PIXEL\n"),
+                 define_if(kind.pattern != ASC_PATTERN_NONE, "#define PATTERN\n"), define_if(kind.lit, "#define LIT\n"),
+                 define_if(kind.lit || kind.pattern != ASC_PATTERN_NONE, "#define SHADED\n"),
+                 define_if(kind.what == SHAPE_DISC, "#define DISC\n"),
+                 define_if(kind.what != SHAPE_TRIANGLE, "#define CUT_OUT\n"), counts->lights, counts->spheres,
+                 counts->planes, counts->discs, counts->triangles);
+}
+
+static source_list fragment_sources(batch_kind kind, const char *defines) {
   source_list list = {.count = 0};
-  add(&list, version_line);
-  if (perspective) {
-    add(&list, "#define PERSPECTIVE\n");
+  add(&list, text_version);
+  add(&list, defines);
+  add(&list, text_blocks);
+  add(&list, text_inputs);
+  add(&list, kind.what == SHAPE_SPHERE ? text_sphere : text_flat);
+  if (kind.pattern != ASC_PATTERN_NONE) {
+    add(&list, kind.pattern == ASC_PATTERN_CHECKER ? text_checker : text_zone_plate);
   }
-  if (multisampled) {
-    add(&list, "#define MULTISAMPLED\n");
+  if (kind.lit) {
+    add(&list, text_shadow);
+    add(&list, text_light);
   }
-  if (patterned) {
-    add(&list, "#define PATTERN\n");
-  }
-  if (what == SHAPE_DISC) {
-    add(&list, "#define DISC\n");
-  }
-  if (what != SHAPE_TRIANGLE) {
-    add(&list, "#define ROUND\n");
-  }
-  add(&list, blocks);
-  add(&list, fragment_inputs);
-  if (what == SHAPE_SPHERE) {
-    add(&list, sphere_source);
-  } else {
-    add(&list, plane_source);
-  }
-  if (patterned) {
-    add(&list, pattern_source);
-  }
-  add(&list, fragment_main);
+  add(&list, text_main);
   return list;
 }
 
@@ -202,12 +99,15 @@ static asc_status link(GLuint vertex_shader, GLuint fragment_shader, GLuint *mad
   return ASC_OK;
 }
 
-asc_status shaders_create(size_t batch, bool perspective, bool multisampled, GLuint *program, asc_error *error) {
+asc_status shaders_create(size_t batch, bool perspective, way how, const light_counts *counts, GLuint *program,
+                          asc_error *error) {
   source_list vertex_list = {.count = 0};
-  add(&vertex_list, version_line);
-  add(&vertex_list, blocks);
-  add(&vertex_list, vertex_source);
-  const source_list fragment_list = fragment_sources(batch, perspective, multisampled);
+  add(&vertex_list, text_version);
+  add(&vertex_list, text_blocks);
+  add(&vertex_list, text_vertex);
+  char defines[MOST_DEFINES];
+  write_defines(defines, batch_at(batch), perspective, how, counts);
+  const source_list fragment_list = fragment_sources(batch_at(batch), defines);
   GLuint vertex_shader = 0;
   GLuint fragment_shader = 0;
   asc_status status = compile(GL_VERTEX_SHADER, &vertex_list, &vertex_shader, error);

@@ -1,4 +1,4 @@
-/* The shader programs: one for each batch of the geometry, and for one or four samples a pixel. */
+/* The shader programs: one for each batch of the geometry and each way of sampling, with what the scene needs of it. */
 #ifndef RASTER_SHADERS_H
 #define RASTER_SHADERS_H
 
@@ -8,24 +8,32 @@
 #include "aliascope/base.h"
 #include "geometry.h"
 #include "gl.h"
+#include "lighting.h"
 
 /* Binding points. */
-enum { BINDING_SURFACES = 0, BINDING_MATERIALS = 1, BINDING_PASS = 0 };
+enum { BINDING_SURFACES = 0, BINDING_MATERIALS = 1, BINDING_LIGHTS = 2, BINDING_OCCLUDERS = 3, BINDING_PASS = 0 };
 /* Vertex attributes. */
 enum { ATTRIBUTE_POSITION = 0, ATTRIBUTE_SURFACE = 1 };
 
-/* Laid out as `Pass` in shaders.c (std140). */
+/* How a pass samples: one sample a pixel; four, patterns and light evaluated once a pixel; four, evaluated for each. */
+typedef enum way { WAY_SINGLE = 0, WAY_PIXEL = 1, WAY_SAMPLE = 2, WAY_COUNT = 3 } way;
+
+/* Laid out as `Pass` in shader_text.c (std140). */
 typedef struct pass_block {
   double scale[2], base[2], depth[2]; /* of the geometry */
   double shift[2];                    /* from gl_FragCoord to the picture position that is sampled, pixels */
+  double frame[3][4];                 /* right, up, forward: camera to world */
   float move[2];                      /* of the vertices, normalised device coordinates */
   float padding[2];
 } pass_block;
 
-/* Whether the program runs once for each sample where there are several: the round shapes, which it cuts out itself. */
-static inline bool shades_samples(size_t batch) { return batch >= batch_of(SHAPE_DISC, false); }
+/* Whether the program runs once for each sample: the shapes that it cuts out itself do where there are several. */
+static inline bool runs_for_samples(size_t batch, way how) {
+  return how == WAY_SAMPLE || (how == WAY_PIXEL && batch_at(batch).what != SHAPE_TRIANGLE);
+}
 
 /* Compiles and links; needs a current context. ASC_UNAVAILABLE with the compiler's first line where that fails. */
-asc_status shaders_create(size_t batch, bool perspective, bool multisampled, GLuint *program, asc_error *error);
+asc_status shaders_create(size_t batch, bool perspective, way how, const light_counts *counts, GLuint *program,
+                          asc_error *error);
 
 #endif

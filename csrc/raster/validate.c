@@ -3,6 +3,9 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "lighting.h"
+#include "raster.h"
+
 static bool usable(const double *numbers, size_t count) {
   for (size_t i = 0; i < count; ++i) {
     if (!(fabs(numbers[i]) <= RASTER_LARGEST_NUMBER)) { /* a NaN compares false */
@@ -53,10 +56,11 @@ static asc_status check_materials(const asc_scene *scene, asc_error *error) {
   for (size_t i = 0; i < scene->material_count; ++i) {
     const asc_material *material = &scene->materials[i];
     const asc_pattern *pattern = &material->pattern;
-    if (pattern->kind != ASC_PATTERN_NONE && pattern->kind != ASC_PATTERN_ZONE_PLATE) {
+    if (pattern->kind != ASC_PATTERN_NONE && pattern->kind != ASC_PATTERN_ZONE_PLATE &&
+        pattern->kind != ASC_PATTERN_CHECKER) {
       return asc_fail(error, ASC_INVALID_ARGUMENT, "material %zu has an unknown pattern, %d", i, (int)pattern->kind);
     }
-    bool fine = usable(material->emission, 3);
+    bool fine = usable(material->emission, 3) && usable(material->albedo, 3);
     if (pattern->kind != ASC_PATTERN_NONE) {
       fine = fine && usable(&pattern->scale, 1) && usable(pattern->origin, 3) && usable(pattern->low, 3) &&
              usable(pattern->high, 3);
@@ -90,13 +94,15 @@ static asc_status check_triangles(const asc_scene *scene, asc_error *error) {
   return ASC_OK;
 }
 
+static bool is_zero(const double *v) { return v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0; }
+
 static asc_status check_round(const asc_scene *scene, asc_error *error) {
   for (size_t i = 0; i < scene->disc_count; ++i) {
     const asc_disc *disc = &scene->discs[i];
     if (!usable(disc->centre, 3) || !usable(disc->normal, 3) || !usable(&disc->radius, 1)) {
       return bad_number(error, "disc", i);
     }
-    if (!(disc->radius > 0.0) || (disc->normal[0] == 0.0 && disc->normal[1] == 0.0 && disc->normal[2] == 0.0)) {
+    if (!(disc->radius > 0.0) || is_zero(disc->normal)) {
       return asc_fail(error, ASC_INVALID_ARGUMENT, "disc %zu needs a positive radius and a normal that is not 0", i);
     }
     asc_status status = check_material_index(scene, "disc", i, disc->material, error);
@@ -120,10 +126,68 @@ static asc_status check_round(const asc_scene *scene, asc_error *error) {
   return ASC_OK;
 }
 
+static asc_status check_planes(const asc_scene *scene, asc_error *error) {
+  for (size_t i = 0; i < scene->plane_count; ++i) {
+    const asc_plane *plane = &scene->planes[i];
+    if (!usable(plane->point, 3) || !usable(plane->normal, 3)) {
+      return bad_number(error, "plane", i);
+    }
+    if (is_zero(plane->normal)) {
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "plane %zu needs a normal that is not 0", i);
+    }
+    asc_status status = check_material_index(scene, "plane", i, plane->material, error);
+    if (status != ASC_OK) {
+      return status;
+    }
+  }
+  return ASC_OK;
+}
+
+static asc_status check_lights(const asc_scene *scene, asc_error *error) {
+  for (size_t i = 0; i < scene->light_count; ++i) {
+    const asc_light *light = &scene->lights[i];
+    if (light->kind != ASC_LIGHT_POINT && light->kind != ASC_LIGHT_DIRECTIONAL) {
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu has an unknown kind, %d", i, (int)light->kind);
+    }
+    if (!usable(light->place, 3) || !usable(light->intensity, 3)) {
+      return bad_number(error, "light", i);
+    }
+    if (light->kind == ASC_LIGHT_DIRECTIONAL && is_zero(light->place)) {
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu needs a direction that is not 0", i);
+    }
+    if (light->inverse_square > 1) {
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu: inverse_square is 0 or 1, not %u", i,
+                      light->inverse_square);
+    }
+  }
+  return ASC_OK;
+}
+
+/* Division, as products and sums of counts may not fit. */
+static asc_status check_shadows(const asc_scene *scene, asc_error *error) {
+  if (!lighting_is_needed(scene)) {
+    return ASC_OK;
+  }
+  const size_t most = RASTER_MOST_SHADOW_TESTS / scene->light_count;
+  const size_t counts[4] = {scene->triangle_count, scene->disc_count, scene->sphere_count, scene->plane_count};
+  size_t left = most;
+  for (int i = 0; i < 4; ++i) {
+    if (counts[i] > left) {
+      return asc_fail(error, ASC_UNSUPPORTED,
+                      "shadows are tested surface by surface for each light, at most %d tests a pixel: with %zu lights "
+                      "%zu surfaces, and the scene has %zu triangles, %zu discs, %zu spheres, %zu planes",
+                      RASTER_MOST_SHADOW_TESTS, scene->light_count, most, counts[0], counts[1], counts[2], counts[3]);
+    }
+    left -= counts[i];
+  }
+  return ASC_OK;
+}
+
 static bool arrays_are_there(const asc_scene *scene) {
   return (scene->material_count == 0 || scene->materials) &&
          (scene->triangle_count == 0 || (scene->vertices && scene->triangle_material)) &&
-         (scene->disc_count == 0 || scene->discs) && (scene->sphere_count == 0 || scene->spheres);
+         (scene->disc_count == 0 || scene->discs) && (scene->sphere_count == 0 || scene->spheres) &&
+         (scene->plane_count == 0 || scene->planes) && (scene->light_count == 0 || scene->lights);
 }
 
 asc_status raster_validate(const asc_scene *scene, asc_error *error) {
@@ -131,7 +195,7 @@ asc_status raster_validate(const asc_scene *scene, asc_error *error) {
     return asc_fail(error, ASC_INVALID_ARGUMENT, "no scene, or its struct_size is not set");
   }
   if (!arrays_are_there(scene)) {
-    return asc_fail(error, ASC_INVALID_ARGUMENT, "the scene counts surfaces or materials whose array is NULL");
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "the scene counts surfaces, materials or lights whose array is NULL");
   }
   asc_status status = check_view(&scene->view, error);
   if (status == ASC_OK) {
@@ -142,6 +206,15 @@ asc_status raster_validate(const asc_scene *scene, asc_error *error) {
   }
   if (status == ASC_OK) {
     status = check_round(scene, error);
+  }
+  if (status == ASC_OK) {
+    status = check_planes(scene, error);
+  }
+  if (status == ASC_OK) {
+    status = check_lights(scene, error);
+  }
+  if (status == ASC_OK) {
+    status = check_shadows(scene, error);
   }
   return status;
 }

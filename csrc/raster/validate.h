@@ -11,7 +11,8 @@
 #define RASTER_LARGEST_NUMBER 1e30
 
 /* ASC_INVALID_ARGUMENT and a text for the first thing that is wrong: numbers that are not finite or too large, indices
- * of materials that are not there, sizes, radii and normals out of range. */
+ * of materials that are not there, sizes, radii and normals out of range. ASC_UNSUPPORTED where there are more
+ * surfaces and lights than shadows are tested for. */
 asc_status raster_validate(const asc_scene *scene, asc_error *error);
 
 #endif

@@ -14,7 +14,7 @@ struct block_work {
   double points[CHUNK][2];
   block area;
   const film *target; /* NULL: samples go to `sum` */
-  film_cell *first;
+  const film_pixel *cells;
 };
 
 block_work *block_work_make(void) {
@@ -34,10 +34,9 @@ static void add_to_film(block_work *memory) {
   const block area = memory->area;
   film_sample samples[PACKET];
   for (uint32_t i = 0; i < rays->lanes; i++) {
-    const uint32_t column = memory->pixel[i] % area.columns, row = memory->pixel[i] / area.columns;
-    samples[i] =
-        (film_sample){memory->first + (size_t)row * memory->target->side + column,
-                      rays->sample_x[i] - (area.x + (int32_t)column), rays->sample_y[i] - (area.y + (int32_t)row)};
+    const uint32_t number = memory->pixel[i];
+    samples[i] = (film_sample){memory->cells[number], rays->sample_x[i] - (area.x + (int32_t)(number % area.columns)),
+                               rays->sample_y[i] - (area.y + (int32_t)(number / area.columns))};
   }
   film_add(memory->target, rays->lanes, samples, rays->radiance);
 }
@@ -104,8 +103,8 @@ asc_status block_render(const tracer *made, const asc_sampler *sampler, uint64_t
 }
 
 asc_status block_add(const tracer *made, const asc_sampler *sampler, uint64_t samples, block area, const film *target,
-                     film_cell *first, block_work *memory) {
+                     const film_pixel *cells, block_work *memory) {
   memory->target = target;
-  memory->first = first;
+  memory->cells = cells;
   return add_pixels(made, sampler, samples, area, memory);
 }

@@ -29,8 +29,8 @@ typedef struct block {
 asc_status block_render(const tracer *made, const asc_sampler *sampler, uint64_t samples, block area,
                         block_work *memory, float *pixels);
 
-/* Adds the samples of a block to the cells of a film, `first` being the cell of its first pixel. */
+/* Adds the samples of a block to a film, `cells` being those of its pixels, row by row. */
 asc_status block_add(const tracer *made, const asc_sampler *sampler, uint64_t samples, block area, const film *target,
-                     film_cell *first, block_work *memory);
+                     const film_pixel *cells, block_work *memory);
 
 #endif

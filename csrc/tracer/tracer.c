@@ -93,22 +93,13 @@ static asc_status render(const tracer *made, const tracer_desc *desc, uint64_t s
     return crew_run(threads, (view->height + BLOCK_SIDE - 1) / BLOCK_SIDE, render_row, &job, cost);
   }
   film target;
-  asc_status status = film_make(&target, desc->filter, view->width, view->height);
+  asc_status status = film_make(&target, desc->filter, view->width, view->height, samples);
   if (status) return status;
   const uint64_t border = 2 * (uint64_t)target.reach;
   *all_samples = samples * (view->width + border) * (view->height + border);
-  status = filtered_render(made, desc->sampler, samples, &target, threads, pixels, cost);
+  status = filtered_render(made, desc->sampler, &target, threads, pixels, cost);
   film_free(&target);
   return status;
-}
-
-static asc_status explain(asc_status status, asc_error *error) {
-  if (status == ASC_NUMERIC)
-    return asc_fail(error, status,
-                    "the filter's weights do not add up to something positive in every pixel: take more "
-                    "samples or a wider filter");
-  if (status == ASC_OUT_OF_MEMORY) return asc_fail(error, status, "out of memory");
-  return asc_fail(error, status, "the sampler failed: %s", asc_status_text(status));
 }
 
 asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, tracer_cost *cost, asc_error *error) {
@@ -124,7 +115,9 @@ asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, t
   uint64_t samples = 0;
   const double begun = seconds(CLOCK_MONOTONIC);
   status = render(made, desc, sampling.samples, pixels, &spent, &samples);
-  if (status) return explain(status, error);
+  if (status)
+    return asc_fail(error, status, status == ASC_OUT_OF_MEMORY ? "%s" : "the sampler failed: %s",
+                    asc_status_text(status));
   if (cost)
     *cost = (tracer_cost){
         samples,          samples, spent.cpu_seconds, seconds(CLOCK_MONOTONIC) - begun, made->build_cpu_seconds,

@@ -34,9 +34,9 @@ typedef struct tracer_cost {
   uint64_t shadow_rays;
 } tracer_cost;
 
-/* Renders into `pixels`, [height][width][3] float, linear RGB, summed in double: with the box, each pixel's mean; with
- * another filter, the mean of all samples that it reaches, weighted by it. ASC_NUMERIC where the weights of a pixel do
- * not add up to something positive, as they may with few samples and negative lobes. `cost` may be NULL. */
+/* Renders into `pixels`, [height][width][3] float, linear RGB, summed in double. With the box, each pixel's mean. With
+ * another filter, samples count in all pixels whose filter holds them, and pixels beyond the picture's border are
+ * sampled for those within; film.h says how a pixel is made of them. `cost` may be NULL. */
 ASC_API asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, tracer_cost *cost,
                                  asc_error *error);
 

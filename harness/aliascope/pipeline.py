@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pebble import ProcessExpired, ProcessFuture, ProcessPool
@@ -258,6 +258,15 @@ class Keeper:
         return outcome
 
 
+    def measured_again(self, outcome: Outcome) -> Outcome:
+        """A kept outcome with the metrics that there are now, of the picture that is there."""
+        pixels = image.read_image(self._folder / outcome.image)
+        values = metrics.measure(pixels, self._references[outcome.job.scene])
+        fresh = replace(outcome, metrics={name: value.value for name, value in values.items()})
+        self._store.put(fresh)
+        return fresh
+
+
 def execute(
     plan: Plan,
     folder: Path,
@@ -272,11 +281,14 @@ def execute(
         for key, outcome in store.done(job.key for job in plan.jobs).items()
         if (folder / outcome.image).is_file()
     }
+    keeper = Keeper(folder, store, references, plan)
+    for key, outcome in outcomes.items():
+        if set(outcome.metrics) != set(metrics.METRICS):
+            outcomes[key] = keeper.measured_again(outcome)
     reused = len(outcomes)
     todo = [job for job in plan.jobs if job.key not in outcomes]
     if not todo:
         return outcomes, reused
-    keeper = Keeper(folder, store, references, plan)
     with _pool(options.processes) as pool:
         waiting: list[tuple[Job, ProcessFuture[Timed], float]] = []
         limit = options.time_limit + GRACE_SECONDS

@@ -28,8 +28,9 @@ class RadialSpectrum(NamedTuple):
 def radial_spectrum(error: NDArray[Any]) -> RadialSpectrum:
     """The power of an error picture by frequency, averaged over directions.
 
-    error: (height, width), or (height, width, channels), of which the power is the channels' mean; real and finite,
-    else InvalidInput, CheckFailed. Rings are 1 / min(height, width) cycles per pixel wide, the first around 0 half as wide.
+    error: (height, width), or (height, width, channels), of which the power is the channels' mean; real. Raises
+    InvalidInput for another shape, CheckFailed where a value is no number. Rings are 1 / min(height, width) cycles per
+    pixel wide, the first around 0 half as wide.
 
     The periodogram under a Hann window w(x, y) = sin^2(pi (x + 1/2) / width) sin^2(pi (y + 1/2) / height), Welch 1967,
     "The use of fast Fourier transform for the estimation of power spectra":
@@ -37,9 +38,9 @@ def radial_spectrum(error: NDArray[Any]) -> RadialSpectrum:
         P(f) = |sum of w(x, y) (e(x, y) - m) exp(-2 pi i f.(x, y))|^2 / sum of w^2
 
     with the weighted mean m = sum(w e) / sum(w), which the metric `bias` tells: a constant has no power. By Parseval
-    the mean of P over all frequencies is sum(w^2 (e - m)^2) / sum(w^2), the variance under the squared window, and white
-    noise of variance s^2 has E P = s^2, but less in the first two rings, out of which m takes its part. A wave of
-    amplitude a has power a^2 / 2, spread over about 2.25 / (width height) of the frequencies around its own.
+    the mean of P over all frequencies is sum(w^2 (e - m)^2) / sum(w^2), the variance under the squared window, and
+    white noise of variance s^2 has E P = s^2, but less in the first two rings, out of which m takes its part. A wave of
+    amplitude a has a mean P of a^2 / 2, nearly all of it within two frequencies of its own and of their mirror image.
     """
     if error.ndim not in (2, 3) or 0 in error.shape:
         raise InvalidInput(

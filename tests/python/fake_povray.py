@@ -32,6 +32,14 @@ def leaving(picture: Path) -> str:
     return f"cp {shlex.quote(str(picture))} picture.png; printf '%s' {shlex.quote(STATISTICS)} >&2"
 
 
+def leaving_frames(picture: Path, count: int, missing: int = 0, padding: int = 0) -> str:
+    """Commands that do the same for so many frames, but for the picture of one, and print more bytes a frame."""
+    source, text = shlex.quote(str(picture)), shlex.quote(STATISTICS)
+    copy = f"cp {source} $(printf 'frame%0{len(str(count))}d.png' $i)"
+    body = f"[ $i = {missing} ] || {copy}; printf '%s%{padding}s\\n' {text} ' ' >&2"
+    return f"i=1; while [ $i -le {count} ]; do {body}; i=$((i+1)); done"
+
+
 def write_png(path: Path, width: int, height: int, channels: int = 3) -> Path:
     """A grey 16-bit PNG."""
     out = oiio.ImageOutput.create(str(path))

@@ -217,6 +217,12 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
     assert (tmp_path / "report.html").is_file()
     assert (tmp_path / "results.csv").is_file()
 
+    # A metric that is new is measured of the pictures that are there.
+    with sqlite3.connect(tmp_path / "results.sqlite") as database:
+        database.execute("DELETE FROM metric WHERE name = 'mae'")
+    third = compare(tmp_path, "edge", "discs", *QUICK)
+    assert (third["rendered"], third["rows"]) == (0, first["rows"])
+
     (tmp_path / rows[0][0]).unlink()
     assert compare(tmp_path, "edge", "discs", *QUICK)["rendered"] == 1
 

@@ -6,16 +6,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
-from povray_scenes import PLAIN, mode, needs_povray, render, scene_of
+from povray_scenes import PLAIN, Array, mode, pixel_rays, render, render_all, scene_of
 
 from aliascope.errors import SpecError, Unsupported
-from aliascope.geometry import Frame, frame_of
+from aliascope.geometry import frame_of
 from aliascope.model import Scene
 from aliascope.renderers import povray
 from aliascope.renderers.base import Request, lacks
 from aliascope.renderers.povray import MOST_FRAMES, RENDERER
-from aliascope.renderers.povray_sdl import FARTHEST, NEAREST
+from aliascope.renderers.povray_limits import FARTHEST, NEAREST
 
 QUANTUM = 1.0 / 65535.0
 HALF_STEP = 0.5 * QUANTUM + 2.0**-24  # rounding to 16 bits, and of POV-Ray's colours to float32
@@ -24,7 +23,6 @@ HALF_STEP = 0.5 * QUANTUM + 2.0**-24  # rounding to 16 bits, and of POV-Ray's co
 # The pictures
 
 
-@needs_povray
 def test_up_is_up_right_is_right_and_values_are_linear() -> None:
     """Three discs around known pixel centres, in a picture taller than wide; a gamma would change their values."""
     places = {"red": (-4.5, 7.5), "green": (2.5, 4.5), "blue": (-1.5, -6.5)}
@@ -44,21 +42,6 @@ def test_up_is_up_right_is_right_and_values_are_linear() -> None:
     steps = rendering.pixels.astype(np.float64) * 65535.0
     # Values are whole steps of 1/65535 up to the rounding of float32: 65535 * 2^-25 < 0.002.
     np.testing.assert_allclose(steps, np.round(steps), rtol=0, atol=0.002)
-
-
-Array = NDArray[np.float64]
-
-
-def pixel_rays(frame: Frame) -> tuple[Array, Array]:
-    """Origins and directions (height, width, 3) of the rays through the pixel centres."""
-    x, y = np.meshgrid(np.arange(frame.width) + 0.5, np.arange(frame.height) + 0.5)
-    u = (2 * x / frame.width - 1) * frame.half_width
-    v = (1 - 2 * y / frame.height) * frame.half_height
-    across = u[..., None] * frame.right + v[..., None] * frame.up
-    still = np.zeros_like(across)
-    if frame.perspective:
-        return still + frame.eye, across + frame.forward
-    return frame.eye + across, still + frame.forward
 
 
 def cast(scene: Scene) -> Array:
@@ -93,7 +76,6 @@ def cast(scene: Scene) -> Array:
     return picture
 
 
-@needs_povray
 @pytest.mark.parametrize(
     "kind", [{"type": "perspective", "vertical_fov_degrees": 43.7}, {"type": "orthographic", "height": 4.13}]
 )
@@ -121,7 +103,6 @@ def test_every_pixel_of_an_oblique_view_is_the_ray_through_its_centre(kind: dict
     np.testing.assert_allclose(render(scene, "none").pixels, expected, rtol=0, atol=HALF_STEP)
 
 
-@needs_povray
 def test_zone_plate_follows_its_formula() -> None:
     colours = np.array([[0.07, 0.06, 0.09], [0.93, 0.91, 0.86]])
     emission, origin, scale = np.array([1.0, 0.7, 0.9]), np.array([-3.137, -1.573, 0.4]), 0.0371
@@ -152,7 +133,6 @@ RING = scene_of(
 )
 
 
-@needs_povray
 def test_a_regular_grid_is_the_grid_of_am1_without_its_centre_ray() -> None:
     """+AM1 +R8 without threshold and jitter: 64 cell centres and the pixel's centre, which weigh alike."""
     grid, centre = render(RING, "regular:n=64"), render(RING, "none").pixels
@@ -166,7 +146,6 @@ def test_a_regular_grid_is_the_grid_of_am1_without_its_centre_ray() -> None:
     assert dict(grid.cost.rays) == {"camera": 64 * 32 * 24}
 
 
-@needs_povray
 @pytest.mark.parametrize("steep", [False, True])
 def test_an_edge_of_slope_one_in_eight_lies_where_it_is(steep: bool) -> None:
     """White fills one side of an edge that passes 3.137 pixels from the middle; its mean position is measured."""
@@ -188,7 +167,6 @@ def test_an_edge_of_slope_one_in_eight_lies_where_it_is(steep: bool) -> None:
     assert (pixels[:, -1] if steep else pixels[0]).max() == 0.0
 
 
-@needs_povray
 def test_bright_scenes_come_unclipped_with_the_step_of_half_floats() -> None:
     scene = scene_of(
         [{"type": "disc", "material": "lamp", "centre": (0, 0, 0), "radius": 2.0}],
@@ -205,7 +183,6 @@ def test_bright_scenes_come_unclipped_with_the_step_of_half_floats() -> None:
 # What it costs
 
 
-@needs_povray
 def test_samples_are_all_rays_from_the_camera() -> None:
     rendering = render(RING, "am2:depth=3,threshold=0,jitter=0")
     # 5 x 5 samples a pixel; the corners are shared: 33 x 25 of them and those at the border of tiles (none: 32 x 24).
@@ -215,7 +192,6 @@ def test_samples_are_all_rays_from_the_camera() -> None:
     assert rendering.cost.repeats == 1
 
 
-@needs_povray
 def test_a_short_picture_is_timed_over_several_frames() -> None:
     once, timed = render(RING, "none"), render(RING, "none", least_seconds=0.1)
     assert once.cost.repeats == 1
@@ -224,14 +200,12 @@ def test_a_short_picture_is_timed_over_several_frames() -> None:
     np.testing.assert_array_equal(once.pixels, timed.pixels)
 
 
-@needs_povray
 def test_a_picture_longer_than_asked_for_is_timed_once() -> None:
     rendering = render(RING, "am2:depth=6,threshold=0", least_seconds=0.01)  # 1,089 rays a pixel
     assert rendering.cost.repeats == 1
     assert rendering.cost.cpu_seconds >= 0.01
 
 
-@needs_povray
 def test_version_and_seeds() -> None:
     assert RENDERER.versions()["povray"].startswith("3.")
     assert not any(RENDERER.seeded(mode(name)) for name in RENDERER.modes)
@@ -300,23 +274,24 @@ def test_a_small_world_loses_the_rims_of_its_spheres(height: float, radius: floa
     assert ("rim" in (RENDERER.unable(scene, mode("none")) or "")) == lost
 
 
-@needs_povray
 def test_its_range_is_what_povray_draws(monkeypatch: pytest.MonkeyPatch) -> None:
     """A disc this side of each limit is there, one past it is not: the limits are the program's own."""
-    for distance in (1.01 * NEAREST, 0.99 * NEAREST, 0.99 * FARTHEST, 1.01 * FARTHEST):
+    distances = (1.01 * NEAREST, 0.99 * NEAREST, 0.99 * FARTHEST, 1.01 * FARTHEST)
+    scenes = []
+    for distance in distances:
         scene = with_surface(type="disc", centre=(0, 0, -distance), radius=4)
         camera = scene.camera.model_copy(update={"eye": (0.0, 0.0, 0.0), "look_at": (0.0, 0.0, -1.0)})
-        scene = scene.model_copy(update={"camera": camera})
-        reason = RENDERER.unable(scene, mode("none"))
-        monkeypatch.setattr(povray, "out_of_reach", lambda _: None)
-        assert (render(scene, "none").pixels.max() == 1.0) == (reason is None)
+        scenes.append(scene.model_copy(update={"camera": camera}))
+    reasons = [RENDERER.unable(scene, mode("none")) for scene in scenes]
+    monkeypatch.setattr(povray, "out_of_reach", lambda _: None)
+    for distance, reason, rendering in zip(distances, reasons, render_all(scenes), strict=True):
+        assert (rendering.pixels.max() == 1.0) == (reason is None)
         assert (reason is None) == (NEAREST < distance < FARTHEST)
-        monkeypatch.undo()
 
 
 def test_features_it_does_not_draw_are_named() -> None:
-    light = {"type": "point", "position": (0, 0, 1), "intensity": (1, 1, 1)}
+    light = {"type": "sphere", "centre": (0, 0, 1), "radius": 1.0, "intensity": (1, 1, 1)}
     lit = Scene.model_validate({**PLAIN.model_dump(), "lights": [light]})
-    assert "point light" in (lacks(RENDERER, lit, mode("none")) or "")
-    with pytest.raises(Unsupported, match="point light"):
+    assert "sphere light" in (lacks(RENDERER, lit, mode("none")) or "")
+    with pytest.raises(Unsupported, match="sphere light"):
         render(lit, "none")

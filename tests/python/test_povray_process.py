@@ -13,7 +13,7 @@ from typing import Any
 
 import fake_povray
 import pytest
-from povray_scenes import PLAIN, needs_povray, render
+from povray_scenes import PLAIN, render
 
 from aliascope.errors import AliascopeError, JobFailed, NotAvailable
 from aliascope.renderers.povray import RENDERER
@@ -150,7 +150,6 @@ def test_a_picture_cut_short_is_a_failure(fake: Any, tmp_path: Path) -> None:
     assert "broken picture" in failure(JobFailed)
 
 
-@needs_povray
 def test_what_povray_says_of_an_error_is_passed_on(tmp_path: Path) -> None:
     (tmp_path / "scene.pov").write_text("sphere { 1 2")
     path = shutil.which("povray")

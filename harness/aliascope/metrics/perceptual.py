@@ -53,7 +53,7 @@ def flip(image: Array, reference: Array) -> Measured:
         return no_value("flip", f"it needs red, green and blue, and the pictures have {image.shape[2]} channels")
     import flip_evaluator  # type: ignore[import-untyped]
 
-    # Clipped here, in double: its own conversion to float would overflow first. It takes the reference first.
+    # It clips too, but its documentation asks for values in [0, 1]. It takes the reference first.
     shown = [np.clip(pixels, 0.0, 1.0).astype(np.float32) for pixels in (reference, image)]
     errors, _, _ = flip_evaluator.evaluate(*shown, "LDR", inputsRGB=False, applyMagma=False, computeMeanError=False)
     # Its own mean adds up in float, whose last digits go in large pictures.

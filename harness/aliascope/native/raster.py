@@ -17,6 +17,9 @@ from aliascope.records import Pixels
 MULTISAMPLES = 4
 """GL_MAX_SAMPLES of llvmpipe: a pass has 1 sample a pixel, or this many."""
 
+MOST_SHADOW_TESTS = 1024
+"""RASTER_MOST_SHADOW_TESTS of raster.h: surfaces x lights of a scene with lights."""
+
 
 def _library() -> Any:
     # Mesa reads it once, when the first context is made: 0 draws in the calling thread, whose time is what is measured.
@@ -57,7 +60,8 @@ class RasterCost:
 
 
 class Raster:
-    """A scene, loaded into a context of its own for one size of picture. Raises NotAvailable, InvalidInput."""
+    """A scene, loaded into a context of its own for one size of picture. Raises NotAvailable, InvalidInput, and
+    Unsupported where shadows need more than MOST_SHADOW_TESTS."""
 
     def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
         library = _library()
@@ -69,12 +73,17 @@ class Raster:
         self._library, self._size = library, size
 
     def render(
-        self, offsets: NDArray[np.float64], weights: NDArray[np.float64], samples_per_pass: int = 1
+        self,
+        offsets: NDArray[np.float64],
+        weights: NDArray[np.float64],
+        samples_per_pass: int = 1,
+        sample_shading: bool = False,
     ) -> tuple[Pixels, RasterCost]:
         """The weighted sum of one pass for each offset: (height, width, 3) float32, linear RGB.
 
         offsets: (passes, 2) in [0, 1), where in the pixel each pass samples, from its left and top border; with 4
         samples a pass their pattern is moved by offset - 0.5. weights: (passes,), which should sum to 1.
+        sample_shading: patterns, light and shadows for each of the 4, at its place, and not once a pixel.
         """
         library, (width, height) = self._library, self._size
         if offsets.shape != (len(weights), 2):
@@ -85,7 +94,7 @@ class Raster:
         desc.struct_size, desc.samples_per_pass = library.ffi.sizeof("raster_desc"), samples_per_pass
         desc.offsets = library.ffi.from_buffer("double[]", offsets)
         desc.weights = library.ffi.from_buffer("double[]", weights)
-        desc.pass_count = len(weights)
+        desc.pass_count, desc.sample_shading = len(weights), sample_shading
         pixels = np.empty((height, width, 3), np.float32)
         cost, box = library.ffi.new("raster_cost *"), error_box(library.ffi)
         target = library.ffi.from_buffer("float[]", pixels)

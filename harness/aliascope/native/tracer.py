@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from aliascope.model import Scene
-from aliascope.native import samplers
+from aliascope.native import filters, samplers
 from aliascope.native.loading import check, error_box, module
 from aliascope.native.scene import pack
 from aliascope.records import Pixels
@@ -26,7 +26,8 @@ def embree_version() -> str:
 
 @dataclass(frozen=True)
 class TracerCost:
-    """Of one picture: all samples, primary and shadow rays; CPU time of the rendering threads, without `build_cpu_seconds`."""
+    """Of one picture: all samples, those beyond its border too, primary and shadow rays; CPU time of the rendering
+    threads, without `build_cpu_seconds`."""
 
     samples: int
     primary_rays: int
@@ -48,13 +49,20 @@ class Tracer:
         self._handle = library.ffi.gc(out[0], library.lib.tracer_destroy)
         self._library, self._size = library, size
 
-    def render(self, sampler: str, samples: int, seed: int = 0, threads: int = 1) -> tuple[Pixels, TracerCost]:
-        """The box-filtered picture, (height, width, 3) float32 linear RGB, from `samples` points a pixel."""
+    def render(
+        self, sampler: str, samples: int, seed: int = 0, threads: int = 1, reconstruction: str = "box"
+    ) -> tuple[Pixels, TracerCost]:
+        """The picture, (height, width, 3) float32 linear RGB, from `samples` points a pixel.
+
+        `reconstruction` is the spec of a filter; where it reaches past the pixel, pixels beyond the border are sampled
+        too. Raises SpecError, Unsupported.
+        """
         library, (width, height) = self._library, self._size
-        pattern = samplers.Sampler(sampler, samples, 2, seed)
+        pattern, profile = samplers.Sampler(sampler, samples, 2, seed), filters.made(reconstruction)
         desc = library.ffi.new("tracer_desc *")
         desc.struct_size, desc.threads = library.ffi.sizeof("tracer_desc"), threads
         desc.sampler = library.ffi.cast("asc_sampler *", pattern.handle)
+        desc.filter = library.ffi.cast("asc_filter *", profile.handle)
         pixels = np.empty((height, width, 3), np.float32)
         cost, box = library.ffi.new("tracer_cost *"), error_box(library.ffi)
         target = library.ffi.from_buffer("float[]", pixels)

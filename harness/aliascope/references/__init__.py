@@ -10,7 +10,7 @@ import numpy as np
 from aliascope.errors import Unsupported
 from aliascope.geometry import frame_of
 from aliascope.model import Scene
-from aliascope.references import discs, polygons, zone_plate
+from aliascope.references import checkerboard, discs, polygons, zone_plate
 from aliascope.references.result import Method, Reference
 
 __all__ = ["METHODS", "Method", "Reference", "make"]
@@ -19,6 +19,7 @@ METHODS: tuple[Method, ...] = (
     polygons.METHOD,
     discs.METHOD,
     zone_plate.METHOD,
+    checkerboard.METHOD,
 )
 
 

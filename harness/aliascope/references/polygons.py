@@ -30,8 +30,12 @@ def coverage(region: shapely.Geometry, width: int, height: int) -> Coverage:
 
     Within 4 eps max(width, height) per pixel that an edge touches in that row, else exact.
     """
-    inside = shapely.intersection(region, shapely.box(0.0, 0.0, width, height))
-    start, end = _edges(inside)
+    return parts_coverage(shapely.intersection(region, shapely.box(0.0, 0.0, width, height)), width, height)
+
+
+def parts_coverage(parts: shapely.Geometry, width: int, height: int) -> Coverage:
+    """The same of polygons, one or an array of them, that lie within the picture and share no area."""
+    start, end = _edges(parts)
     if not len(start):
         return Coverage(np.zeros((height, width)), np.zeros((height, width)))
     first, second = _pieces(start, end, width, height)

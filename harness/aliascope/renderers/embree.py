@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from aliascope.model import Scene
-from aliascope.native import samplers, tracer
+from aliascope.native import filters, samplers, tracer
 from aliascope.records import Cost, Rendering
 from aliascope.renderers.base import Request
 from aliascope.specs import Form, Key, Spec
@@ -16,6 +16,7 @@ UNIFORM = Form(
     (
         Key("n", "integer", 16, "samples a pixel", 1, 1 << 24, is_count=True),
         Key("sampler", "spec", "sobol:scramble=owen", "the pattern of a pixel", inner=samplers.canonical),
+        Key("filter", "spec", "box", "the reconstruction filter", inner=filters.canonical),
     ),
 )
 
@@ -42,13 +43,18 @@ class Embree:
     def seeded(self, mode: Spec) -> bool:
         return samplers.randomised(mode.word("sampler"), mode.integer("n"))
 
+    def filter_of(self, mode: Spec) -> str:
+        """The canonical spec of the filter that this mode reconstructs with: what its reference is filtered with."""
+        return mode.word("filter")
+
     def render(self, request: Request) -> Rendering:
         built = tracer.Tracer(request.scene, (request.width, request.height))
         sampler, count = request.mode.word("sampler"), request.mode.integer("n")
-        pixels, first = built.render(sampler, count, request.seed, request.threads)
+        settings = (sampler, count, request.seed, request.threads, self.filter_of(request.mode))
+        pixels, first = built.render(*settings)
         cpu_seconds, wall_seconds, repeats = first.cpu_seconds, first.wall_seconds, 1
         while cpu_seconds < request.least_seconds:
-            _, again = built.render(sampler, count, request.seed, request.threads)
+            _, again = built.render(*settings)
             cpu_seconds, wall_seconds = cpu_seconds + again.cpu_seconds, wall_seconds + again.wall_seconds
             repeats += 1
         cost = Cost(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aliascope.errors import JobFailed, Unsupported
+from aliascope.geometry import surfaces_of
 from aliascope.model import Scene
 from aliascope.native import raster, samplers
 from aliascope.records import Cost, Rendering
@@ -28,10 +29,15 @@ rms .0513, where (1/8, 1/8) has .0568, the pattern of 4 alone .0777, and the sta
 NONE = Form("none", "one sample at the centre of each pixel")
 MSAA = Form(
     "msaa",
-    "multisampling: coverage from n samples, patterns evaluated once a pixel and pass, so that only edges gain. "
+    "multisampling: coverage from n samples. Without sample-shading patterns, light and shadows are evaluated once a "
+    "pixel and pass, at its centre, so that outlines gain, and a zone plate or the edge of a check or a shadow gains "
+    "nothing; endless planes, discs and spheres are cut out at each sample in either case. "
     "n=8 is two passes of the pattern of 4, moved by (-1/16, -3/16) and (1/16, 3/16) pixel: 8 rows and 8 columns, "
     "two samples 1/16 pixel outside of the pixel",
-    (Key("n", "integer", 4, "samples a pixel: 4 or 8", 1, 65536, is_count=True),),
+    (
+        Key("n", "integer", 4, "samples a pixel: 4 or 8", 1, 65536, is_count=True),
+        Key("sample-shading", "integer", 0, "1: patterns, light and shadows for each sample, at its place", 0, 1),
+    ),
 )
 ACCUMULATE = Form(
     "accumulate",
@@ -50,6 +56,7 @@ class Passes:
     offsets: NDArray[np.float64]
     weights: NDArray[np.float64]
     samples_per_pass: int
+    sample_shading: bool = False
 
 
 def passes_of(mode: Spec, seed: int = 0) -> Passes:
@@ -62,7 +69,8 @@ def passes_of(mode: Spec, seed: int = 0) -> Passes:
     if mode.name == NONE.name:
         return Passes(np.array([CENTRE]), np.ones(1), 1)
     offsets = np.array([CENTRE] if mode.integer("n") == raster.MULTISAMPLES else EIGHT)
-    return Passes(offsets, np.full(len(offsets), 1.0 / len(offsets)), raster.MULTISAMPLES)
+    weights = np.full(len(offsets), 1.0 / len(offsets))
+    return Passes(offsets, weights, raster.MULTISAMPLES, bool(mode.integer("sample-shading")))
 
 
 def _unable(mode: Spec) -> str | None:
@@ -79,18 +87,41 @@ def _unable(mode: Spec) -> str | None:
     return None
 
 
+def _unshadowed(scene: Scene) -> str | None:
+    """Why the shadows of a scene are not drawn: there would be too many tests a pixel."""
+    if not scene.lights or not any(any(scene.materials[surface.material].albedo) for surface in scene.surfaces):
+        return None
+    surfaces, lights = surfaces_of(scene), len(scene.lights)
+    counts = {
+        "triangles": len(surfaces.triangles),
+        "discs": len(surfaces.discs),
+        "spheres": len(surfaces.spheres),
+        "planes": len(surfaces.planes),
+    }
+    if sum(counts.values()) * lights <= raster.MOST_SHADOW_TESTS:
+        return None
+    held = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+    return (
+        f"{held} and {lights} light{'s' if lights > 1 else ''}: OSMesa has no ray to trace, and its shader tests every "
+        f"surface for each light, {raster.MOST_SHADOW_TESTS} tests a pixel at most"
+    )
+
+
 class OSMesa:
     name = "osmesa"
     title = "OSMesa"
     modes: Mapping[str, Form] = {form.name: form for form in (NONE, MSAA, ACCUMULATE)}
-    draws = frozenset({"orthographic", "perspective", "polygon", "disc", "sphere", "zone-plate"})
+    draws = frozenset(
+        {"orthographic", "perspective", "polygon", "mesh", "disc", "sphere", "plane", "zone-plate", "checker"}
+        | {"point light", "directional light"}
+    )
 
     def versions(self) -> Mapping[str, str]:
         renderer, version = raster.describe()
         return {"osmesa": version, "osmesa-driver": renderer}
 
     def unable(self, scene: Scene, mode: Spec) -> str | None:
-        return _unable(mode)
+        return _unable(mode) or _unshadowed(scene)
 
     def seeded(self, mode: Spec) -> bool:
         return mode.name == ACCUMULATE.name and samplers.randomised(mode.word("sampler"), mode.integer("n"))
@@ -103,7 +134,7 @@ class OSMesa:
         cpu_seconds = wall_seconds = 0.0
         repeats = 0
         while repeats == 0 or cpu_seconds < request.least_seconds:
-            pixels, cost = drawn.render(passes.offsets, passes.weights, passes.samples_per_pass)
+            pixels, cost = drawn.render(passes.offsets, passes.weights, passes.samples_per_pass, passes.sample_shading)
             cpu_seconds, wall_seconds = cpu_seconds + cost.cpu_seconds, wall_seconds + cost.wall_seconds
             repeats += 1
             if time.monotonic() - started > request.time_limit:

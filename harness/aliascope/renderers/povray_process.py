@@ -23,7 +23,10 @@ from pathlib import Path
 from aliascope.errors import JobFailed, NotAvailable
 
 KEPT_BYTES = 1 << 18
-"""The end of what the program prints that is kept: six frames of statistics take 12,000 bytes."""
+"""The end of what the program prints that is kept, and more for many frames."""
+
+KEPT_BYTES_A_FRAME = 1 << 13
+"""A frame takes 3,000 bytes of statistics."""
 
 MESSAGE_LINES, MESSAGE_CHARACTERS = 3, 300
 """The most of the program's last lines that goes into an error."""
@@ -82,8 +85,8 @@ def version(path: str) -> str:
     return found[1]
 
 
-def run(path: str, arguments: list[str], folder: Path, time_limit: float) -> str:
-    """Runs povray in `folder` and returns the last KEPT_BYTES of what it prints.
+def run(path: str, arguments: list[str], folder: Path, time_limit: float, frames: int = 1) -> str:
+    """Runs povray in `folder` and returns the last KEPT_BYTES of what it prints, more where it renders many frames.
 
     Raises JobFailed where it fails, is killed, or has not ended after `time_limit` seconds on the wall, and
     NotAvailable where it cannot be started. Afterwards no process of it is left.
@@ -104,7 +107,7 @@ def run(path: str, arguments: list[str], folder: Path, time_limit: float) -> str
     except OSError as error:
         raise NotAvailable(f"{path} does not start: {error.strerror}") from error
     try:
-        output, in_time = _collect(process, time.monotonic() + time_limit)
+        output, in_time = _collect(process, time.monotonic() + time_limit, max(KEPT_BYTES, frames * KEPT_BYTES_A_FRAME))
     finally:
         _end(process)
     if not in_time:
@@ -135,8 +138,8 @@ def _exited(process: subprocess.Popen[bytes]) -> bool:
     return os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
 
 
-def _collect(process: subprocess.Popen[bytes], deadline: float) -> tuple[str, bool]:
-    """The end of the output, and whether the program ended before the deadline, a time of time.monotonic()."""
+def _collect(process: subprocess.Popen[bytes], deadline: float, most: int) -> tuple[str, bool]:
+    """The last `most` bytes of the output, and whether the program ended before `deadline`, a time.monotonic()."""
     assert process.stdout is not None
     pipe = process.stdout.fileno()
     os.set_blocking(pipe, False)
@@ -161,7 +164,7 @@ def _collect(process: subprocess.Popen[bytes], deadline: float) -> tuple[str, bo
                 continue
             piece = os.read(pipe, 1 << 16)
             kept += piece
-            del kept[:-KEPT_BYTES]
+            del kept[:-most]
             pipe_open = bool(piece)
             if exited and remaining <= 0.0:
                 break  # something else keeps writing to the pipe

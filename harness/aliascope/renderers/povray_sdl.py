@@ -1,162 +1,159 @@
-"""A scene as text in POV-Ray's scene description language, and what of a scene POV-Ray's own constants cut off.
+"""A scene as text in POV-Ray's scene description language.
 
-Coordinates go over unchanged, as doubles with all their digits; the camera is given by its vectors, which keeps the
-world right-handed (`look_at` and `angle` would mirror it). Triangles are objects each, not a mesh: the vertices of a
-mesh are float32 in POV-Ray.
+Coordinates go over as doubles with all their digits, relative to the eye, as POV-Ray bounds its objects by boxes in
+float32 (measured: a mesh of 4 units, 4e5 from the origin, has holes); and times a power of two where that brings its
+constants out of the way (see `povray_limits`). The camera is given by its vectors, which keeps the world right-handed
+(`look_at` and `angle` would mirror it). Triangles are objects each, not a mesh: the vertices of a mesh are float32 in
+POV-Ray, and it is not faster. 100,000 triangles take 0.56 s to parse and 160 MB (a `mesh` 0.82 s and 230 MB), a million
+7.5 s and 1.1 GB.
 """
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
-from aliascope.geometry import Array, Frame, frame_of, surfaces_of
-from aliascope.model import Colour, Disc, Material, Polygon, Scene, Sphere, Vector
+from aliascope.geometry import Array, Frame, Surfaces, frame_of, surfaces_of
+from aliascope.model import BLACK, Colour, DirectionalLight, Material, PointLight, Scene, Vector
+from aliascope.renderers.povray_light import lighting_of, pattern_colours
+from aliascope.renderers.povray_limits import FARTHEST, unit, world_scale
 
 PATTERN_CEILING = 0.9999999
 """Pattern values wrap to 0 at 1, so they stop short of it, by less than a 16-bit step / 150."""
 
-FARTHEST = 1e7
-"""Hits farther than this along a ray do not exist (MAX_DISTANCE; measured: 9.9e6 is drawn, 1.01e7 is not)."""
+LIGHT_DISTANCE = 3.0 * FARTHEST
+"""Parallel rays start at the plane through their light, behind which there is light and no shadow: it stands farther
+from the eye than all that can be seen."""
 
-NEAREST = 1e-4
-"""Hits of discs and triangles nearer than this do not exist (measured: 1e-4 is drawn, 9.9e-5 is not)."""
-
-LEAST_HALF_CHORD_SQUARED = 1e-10
-"""A ray that cuts a sphere along a shorter half chord misses it (EPSILON in the sphere's code; measured: a sphere of
-radius 1.1e-5 is drawn, one of 1e-5 is not)."""
-
-RIM_TOLERANCE_PX = 0.001
-"""The most by which the rim of a sphere may lie wrong: what the design allows a silhouette."""
+LEAST_ALBEDO = 2.0**-40
+"""Of the emission: see `_texture`."""
 
 
-def scene_text(scene: Scene, size: tuple[int, int]) -> str:
-    """The SDL of a scene whose features the renderer draws. `size`: width, height in pixels, for the aspect.
+@dataclass(frozen=True)
+class World:
+    """POV-Ray's coordinates: those of the scene, relative to the eye, times the scale."""
 
-    Raises ValueError for polygons that have no triangles (see `geometry.triangulate`).
+    eye: Array
+    scale: float
+
+    def place(self, point: Vector | Array) -> Array:
+        """(..., 3) in the scene's coordinates to POV-Ray's."""
+        placed: Array = self.scale * (np.asarray(point) - self.eye)
+        return placed
+
+
+def scene_text(scene: Scene, size: tuple[int, int], exposure: float = 1.0, shifts: Array | None = None) -> str:
+    """The SDL of a scene whose features the renderer draws.
+
+    size: width, height in pixels, for the aspect. exposure: what all light is divided by. shifts: (n, 2) pixels to the
+    right and down by which the sample of each of n frames lies off the centres of the pixels, which is where all lie
+    without them. Raises ValueError for polygons that have no triangles (see `geometry.triangulate`).
     """
-    surfaces = surfaces_of(scene)
+    surfaces, world = surfaces_of(scene), World(frame_of(scene).eye, world_scale(scene))
+    background = tuple(channel / exposure for channel in scene.view.background)
     lines = [
         "#version 3.7;",
-        "global_settings { assumed_gamma 1.0 }",
-        _camera(frame_of(scene, size)),
-        f"background {{ {_colour(scene.view.background)} }}",
+        "global_settings { assumed_gamma 1.0 adc_bailout 0 }",
+        *_camera(frame_of(scene, size), world.scale, np.zeros((1, 2)) if shifts is None else shifts),
+        f"background {{ {_colour(background)} }}",
     ]
     for number, name in enumerate(surfaces.materials):
-        lines.append(f"#declare Material_{number} = {_texture(scene.materials[name])}")
-    for corners, number in zip(surfaces.triangles, surfaces.triangle_material, strict=True):
-        points = ", ".join(_vector(corner) for corner in corners)
-        lines.append(f"triangle {{ {points} texture {{ Material_{number} }} }}")
+        lines.append(f"#declare Material_{number} = {_texture(scene.materials[name], exposure, world)}")
+    if any(scene.materials[name].albedo != BLACK for name in surfaces.materials):
+        lines += _lights(scene, exposure, world)
+    return "\n".join([*lines, *_objects(surfaces, world)]) + "\n"
+
+
+def _objects(surfaces: Surfaces, world: World) -> Iterable[str]:
+    triangles = world.place(surfaces.triangles).reshape(-1, 9).tolist()
+    for (a, b, c, d, e, f, g, h, i), number in zip(triangles, surfaces.triangle_material.tolist(), strict=True):
+        corners = f"<{a!r},{b!r},{c!r}>,<{d!r},{e!r},{f!r}>,<{g!r},{h!r},{i!r}>"
+        yield f"triangle {{ {corners} texture {{ Material_{number} }} }}"
     for centre, normal, radius, number in surfaces.discs:
-        place = f"{_vector(centre)}, {_vector(_unit(normal))}, {_number(radius)}"
-        lines.append(f"disc {{ {place} texture {{ Material_{number} }} }}")
+        place = f"{_vector(world.place(centre))}, {_vector(unit(normal))}, {_number(world.scale * radius)}"
+        yield f"disc {{ {place} texture {{ Material_{number} }} }}"
     for centre, radius, number in surfaces.spheres:
-        lines.append(f"sphere {{ {_vector(centre)}, {_number(radius)} texture {{ Material_{number} }} }}")
-    return "\n".join(lines) + "\n"
+        place = f"{_vector(world.place(centre))}, {_number(world.scale * radius)}"
+        yield f"sphere {{ {place} texture {{ Material_{number} }} }}"
+    for point, normal, number in surfaces.planes:
+        upright = unit(normal)
+        offset = float(upright @ world.place(point))
+        yield f"plane {{ {_vector(upright)}, {_number(offset)} texture {{ Material_{number} }} }}"
 
 
-def brightest(scene: Scene) -> float:
-    """The largest channel that the picture of an unlit scene can have, linear."""
-    peak = max(scene.view.background)
-    for name in {surface.material for surface in scene.surfaces}:
-        material = scene.materials[name]
-        peak = max(peak, *(channel for colour in _pattern_colours(material) for channel in colour))
-    return peak
+def _camera(frame: Frame, scale: float, shifts: Array) -> list[str]:
+    """The camera; of several shifts, the one of the frame's number (from 1; a run for the time goes round again)."""
+    steps = shifts * np.array([2.0 * frame.half_width / frame.width, -2.0 * frame.half_height / frame.height])
+    if not frame.perspective:
+        steps = scale * steps
+    moved = [_vector(right * frame.right + up * frame.up) for right, up in steps]
+    lines = []
+    shift = moved[0]
+    if len(moved) > 1:
+        lines.append(f"#declare Shift = array[{len(moved)}] {{ {', '.join(moved)} }}")
+        shift = f"Shift[mod(frame_number - 1, {len(moved)})]"
+    direction = _vector(frame.forward)
+    sides = 1.0 if frame.perspective else scale
+    if frame.perspective:
+        aim = f"perspective location 0 direction {direction} + {shift}"
+    else:
+        aim = f"orthographic location {shift} direction {direction}"
+    across, upward = 2.0 * sides * frame.half_width * frame.right, 2.0 * sides * frame.half_height * frame.up
+    lines.append(f"camera {{ {aim} right {_vector(across)} up {_vector(upward)} }}")
+    return lines
 
 
-def out_of_reach(scene: Scene) -> str | None:
-    """Why POV-Ray would leave out a part of the scene without a word, or None. Its limits are in units of the world.
-
-    Whole surfaces are looked at, within the view or not; a surface that runs from behind the camera to in front of it
-    loses only a sliver to NEAREST and passes.
-    """
-    frame = frame_of(scene)
-    # A perspective ray toward a corner of the picture is longer than the depth that it reaches.
-    stretch = math.hypot(1.0, frame.half_width, frame.half_height) if frame.perspective else 1.0
-    for surface in scene.surfaces:
-        match surface:
-            case Polygon(points=points):
-                depths = (np.array(points) - frame.eye) @ frame.forward
-                low, high = float(depths.min()), float(depths.max())
-            case Disc(centre=centre, normal=normal, radius=radius):
-                depth = float((np.array(centre) - frame.eye) @ frame.forward)
-                tilt = min(1.0, abs(float(_unit(normal) @ frame.forward)))
-                reach = radius * math.sqrt(1.0 - tilt * tilt)
-                low, high = depth - reach, depth + reach
-            case Sphere(centre=centre, radius=radius):
-                depth = float((np.array(centre) - frame.eye) @ frame.forward)
-                low, high = depth - radius, depth + radius
-                reason = _rim_lost(frame, np.array(centre) - frame.eye, depth, radius)
-                if reason:
-                    return reason
+def _lights(scene: Scene, exposure: float, world: World) -> Iterable[str]:
+    for light, fade in zip(scene.lights, lighting_of(scene).fade_distances, strict=True):
+        colour, more = light.intensity, ""
+        match light:
+            case DirectionalLight(direction=direction):
+                place = -LIGHT_DISTANCE * unit(direction)
+                more = " parallel point_at 0"
+            case PointLight(position=position):
+                place = world.place(position)
             case _:
-                continue
-        if high * stretch > FARTHEST:
-            return f"POV-Ray sees nothing beyond {FARTHEST:g} units, and a {surface.type} reaches {high * stretch:.3g}"
-        if not isinstance(surface, Sphere) and high > 0.0 and (0.0 < low < NEAREST or high < NEAREST):
-            return f"POV-Ray sees nothing nearer than {NEAREST:g} units, and a {surface.type} begins at {low:.3g}"
-    return None
+                raise ValueError(f"a {light.type} light has no text")
+        if light.falloff == "inverse-square":
+            red, green, blue = colour
+            share = 2.0 * fade * fade
+            colour = (red / share, green / share, blue / share)
+            more = f" fade_power 2 fade_distance {_number(world.scale * fade)}"
+        emitted = tuple(channel / exposure for channel in colour)
+        yield f"light_source {{ {_vector(place)}, {_colour(emitted)}{more} }}"
 
 
-def _rim_lost(frame: Frame, offset: Array, depth: float, radius: float) -> str | None:
-    """Why the rim of a sphere, `offset` from the eye, would lie more than RIM_TOLERANCE_PX off, or None."""
-    distance = float(np.linalg.norm(offset))
-    if depth + radius <= 0.0 or distance <= radius:
-        return None
-    # The square of the half chord is the difference of squares as large as distance^2, in doubles.
-    half_chord_squared = LEAST_HALF_CHORD_SQUARED + distance * distance * 2.0**-52
-    lost = radius - math.sqrt(max(0.0, radius * radius - half_chord_squared))
-    pixel = frame.pixel * (distance if frame.perspective else 1.0)
-    if lost <= RIM_TOLERANCE_PX * pixel:
-        return None
-    return (
-        f"POV-Ray draws the rim of a sphere of radius {radius:g}, {distance:.3g} units away, {lost / pixel:.2g} "
-        "pixels off: change the scale of the scene"
-    )
+def _texture(material: Material, exposure: float, world: World) -> str:
+    """pattern * (emission + albedo * light), for which POV-Ray has pigment * (emission + diffuse * light).
+
+    The pigment is the pattern times the albedo, so the finish has the emission divided by the albedo. A channel that
+    emits has an albedo of LEAST_ALBEDO of its emission at least: that much light comes back from it too many.
+    """
+    emission = [channel / exposure for channel in material.emission]
+    if material.albedo == BLACK:
+        return f"texture {{ {_pigment(material, emission, world)} finish {{ ambient 0 diffuse 0 emission 1 }} }}"
+    albedo = [max(a, LEAST_ALBEDO * e) for a, e in zip(material.albedo, emission, strict=True)]
+    ratios = [e / a if e > 0.0 else 0.0 for a, e in zip(albedo, emission, strict=True)]
+    finish = f"finish {{ ambient 0 diffuse 1 emission {_colour(ratios)} }}"
+    return f"texture {{ {_pigment(material, albedo, world)} {finish} }}"
 
 
-def _camera(frame: Frame) -> str:
-    kind = "perspective" if frame.perspective else "orthographic"
-    return (
-        f"camera {{ {kind} location {_vector(frame.eye)} direction {_vector(frame.forward)} "
-        f"right {_vector(2.0 * frame.half_width * frame.right)} up {_vector(2.0 * frame.half_height * frame.up)} }}"
-    )
-
-
-def _texture(material: Material) -> str:
-    """Emission alone, times the pattern: without lights the albedo adds nothing."""
-    return f"texture {{ {_pigment(material)} finish {{ ambient 0 diffuse 0 emission 1 }} }}"
-
-
-def _pigment(material: Material) -> str:
-    colours = [_colour(colour) for colour in _pattern_colours(material)]
+def _pigment(material: Material, factor: Iterable[float], world: World) -> str:
+    """The pattern, or white, times a colour. It is stated in the scene's coordinates and then moved to POV-Ray's."""
+    tint = np.array(tuple(factor))
+    colours = [_colour(tint * np.array(colour)) for colour in pattern_colours(material)]
     pattern = material.pattern
     if pattern is None:
         return f"pigment {{ {colours[0]} }}"
-    if pattern.type != "zone-plate":
-        raise ValueError(f"a {pattern.type} has no pigment")
-    squares = "+".join(f"pow({axis}-({_number(x)}),2)" for axis, x in zip("xyz", pattern.origin, strict=True))
-    value = f"(1+cos({_number(pattern.scale)}*({squares})))/2"
-    return (
-        f"pigment {{ function {{ min({PATTERN_CEILING}, {value}) }} "
-        f"color_map {{ [0 {colours[0]}] [1 {colours[1]}] }} }}"
-    )
-
-
-def _pattern_colours(material: Material) -> list[Colour]:
-    """The emission, or the emission times each colour of the pattern."""
-    red, green, blue = material.emission
-    if material.pattern is None:
-        return [material.emission]
-    return [(red * r, green * g, blue * b) for r, g, b in material.pattern.colours]
-
-
-def _unit(vector: Vector) -> Array:
-    """The vector at length 1; scaled first, as the square of 1e200 has no double."""
-    scaled = np.array(vector) / max(abs(x) for x in vector)
-    unit: Array = scaled / np.linalg.norm(scaled)
-    return unit
+    if pattern.type == "checker":
+        body = f"checker {', '.join(colours)} scale {_number(1.0 / pattern.scale)} translate {_vector(pattern.origin)}"
+    else:
+        squares = "+".join(f"pow({axis}-({_number(x)}),2)" for axis, x in zip("xyz", pattern.origin, strict=True))
+        value = f"(1+cos({_number(pattern.scale)}*({squares})))/2"
+        body = f"function {{ min({PATTERN_CEILING}, {value}) }} color_map {{ [0 {colours[0]}] [1 {colours[1]}] }}"
+    return f"pigment {{ {body} scale {_number(world.scale)} translate {_vector(world.place((0.0, 0.0, 0.0)))} }}"
 
 
 def _number(x: float) -> str:
@@ -168,5 +165,5 @@ def _vector(vector: Vector | Array) -> str:
     return f"<{', '.join(_number(x) for x in vector)}>"
 
 
-def _colour(colour: Colour) -> str:
-    return f"rgb {_vector(colour)}"
+def _colour(colour: Colour | Array | Iterable[float]) -> str:
+    return f"rgb <{', '.join(_number(x) for x in colour)}>"

@@ -7,6 +7,7 @@ interactive is drawn by the scripts from the JSON of `document.py` and the pictu
 from __future__ import annotations
 
 import base64
+import contextlib
 import hashlib
 import math
 import os
@@ -97,7 +98,8 @@ def _write(path: Path, text: str) -> Path:
     except OSError as error:
         raise NotWritable(f"{path}: cannot be written: {error.strerror}") from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # where the folder is none, neither is the file
+            temporary.unlink()
     return path
 
 

@@ -13,6 +13,7 @@ function metricChooser() {
 const scopeName = (() => {
   const [pooled, all] = [documentData.pooledScenes.length, documentData.scenes.length];
   if (all === 1) return `the scene ${documentData.scenes[0].name}`;
+  if (pooled === all && all === 2) return "both scenes";
   return pooled === all ? `all ${all} scenes` : `${pooled} of ${all} scenes`;
 })();
 

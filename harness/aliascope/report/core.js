@@ -103,10 +103,10 @@ function uncertainty(value, error) {
   if (error === 0) return "± 0";
   const power = exponent(error);
   if (power < -6 || power >= 7) return `± ${scientific(error, 1)}`;
-  if (power >= 1) return `± ${groups(Number(error.toPrecision(power >= 2 ? 1 : 2)).toFixed(0))}`;
+  if (power >= 2) return `± ${groups(Number(error.toPrecision(1)).toFixed(0))}`;
   const own = Math.max(0, -power);
   const shared = value ? decimalsFor(value) : own;
-  return `± ${error.toFixed(Math.min(Math.max(own, shared), own + 1))}`;
+  return `± ${error.toFixed(clamp(shared, own, own + 1))}`;
 }
 
 /** A linear value of a picture: six significant digits; NaN and the infinities by name. */
@@ -131,6 +131,8 @@ function alignPoints(texts) {
     return text + point + "\u2007".repeat(longest - tails[i]);
   });
 }
+
+const counted = (n, thing) => `${n} ${thing}${n === 1 ? "" : "s"}`;
 
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 

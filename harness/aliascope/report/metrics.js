@@ -10,6 +10,7 @@ const known = {
   p99: { label: "99th percentile of |error|" },
   ssim: { label: "SSIM", plotted: "1 − SSIM", badness: (v) => 1 - v, value: (b) => 1 - b, more: true },
   flip: { label: "FLIP" },
+  structure: { label: "structure", plotted: "structure of the error (0: noise)", linear: true },
 };
 
 const same = (value) => value;

@@ -93,7 +93,7 @@ function keys(event, viewer) {
   const step = event.shiftKey ? 10 : 1;
   const arrows = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] };
   if (digit) {
-    const row = panels.get(state.scene).table.sorted[Number(digit) - 1];
+    const row = panels.get(state.scene).table?.sorted[Number(digit) - 1];
     if (row) choose(event.shiftKey ? "b" : "a", identity(row));
   } else if (event.key in arrows && onPictures) viewer.walk(...arrows[event.key]);
   else if (event.key === " " && onPictures && !onButton) viewer.blink();

@@ -110,7 +110,7 @@ class Plot {
   remarks({ plain, zero, without }, metric) {
     const hollow = plain.filter((row) => row.missing.length);
     return [
-      hollow.length ? `Hollow: ${hollow.length} modes that lack a scene, left out of the front. ` : "",
+      hollow.length ? `Hollow: ${counted(hollow.length, "mode")} without every scene, left out of the front. ` : "",
       zero.length ? `On the lowest line: ${zero.length} without any error. ` : "",
       without.length ? `Not shown, for want of a time or a ${metric.label}: ${without.map(readable).join("; ")}. ` : "",
     ].filter((text) => text).map((text) => h("span", {}, text));

@@ -61,7 +61,9 @@ def plots_of(data: ReportData) -> list[Plot]:
     if len(data.scenes) > 1:
         taken.add("all-scenes")
         common = in_common(data.scenes)
-        title = f"All {len(common)} scenes" if common == data.scenes else f"The {len(common)} scenes that all drew"
+        title = f"{len(common)} of {len(data.scenes)} scenes, which every renderer drew"
+        if common == data.scenes:
+            title = f"All {len(common)} scenes"
         plots.append(Plot("all-scenes", title, pool(common)))
     for scene in data.scenes:
         stem = re.sub(r"[^a-z0-9]+", "-", scene.name.lower()).strip("-")[:60] or "scene"

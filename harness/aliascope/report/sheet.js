@@ -1,14 +1,17 @@
 // The contact sheet of a scene: every picture beside the map of its error, all maps on one scale.
 
 const thumbnailSide = 160;
+const usualSide = 128;
+const narrowestCard = 200;
 
 class Sheet {
   constructor(host, scene) {
     this.scene = scene;
     this.factor = Math.ceil(scene.width / thumbnailSide);
+    this.side = Math.ceil(scene.width / this.factor) * Math.max(1, Math.floor(usualSide / scene.width));
     this.legend = h("div");
     this.grid = h("ul", { class: "sheet" });
-    this.grid.style.setProperty("--pair", `${2 * Math.ceil(scene.width / this.factor) + 2}px`);
+    this.grid.style.setProperty("--pair", `${Math.max(narrowestCard, 2 * this.side + 2)}px`);
     this.cards = [null, ...scene.rows].map((row) => this.card(row));
     this.grid.append(...this.cards.map(({ node }) => node));
     const averaged = this.factor > 1 ? `, averaged over ${this.factor} × ${this.factor} pixels` : "";
@@ -24,7 +27,11 @@ class Sheet {
   card(row) {
     const width = Math.ceil(this.scene.width / this.factor);
     const height = Math.ceil(this.scene.height / this.factor);
-    const canvas = (label) => h("canvas", { width, height, role: "img", "aria-label": label });
+    const canvas = (label) => {
+      const node = h("canvas", { width, height, role: "img", "aria-label": label });
+      node.style.width = `${this.side}px`;
+      return node;
+    };
     const name = row ? identity(row) : referenceName;
     const [image, error] = [canvas(`picture of ${row ? readable(row) : name}`), row ? canvas(`signed error of ${readable(row)}`) : null];
     const [value, badge] = [h("span", { class: "value" }), h("span", { class: "badge" })];

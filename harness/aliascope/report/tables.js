@@ -2,12 +2,20 @@
 
 const columns = [
   { key: "mode", title: () => "Mode" },
-  { key: "error", title: (metric) => metric.title, number: true, spread: true },
-  { key: "spp", title: () => "Samples a pixel", number: true },
-  { key: "cpu", title: () => "CPU, s", number: true, spread: true },
-  { key: "efficiency", title: () => "Efficiency, 1/(MSE·s)", number: true, spread: true },
+  { key: "error", title: (metric) => metric.label, unit: (metric) => metric.unit, number: true, spread: true },
+  { key: "spp", title: () => "Samples", unit: () => "a pixel", number: true },
+  { key: "cpu", title: () => "CPU time", unit: () => "s", number: true, spread: true },
+  { key: "efficiency", title: () => "Efficiency", unit: (metric, power) => `${unitText(power)}/(MSE·s)`, number: true, spread: true },
   { key: "pictures", title: () => "Pictures", number: true },
 ];
+
+/** The power of a thousand that the efficiencies of a table are given in, so that its figures stay short. */
+function efficiencyPower(rows) {
+  const values = rows.map((row) => efficiencyOf(row)[0]).filter((value) => value !== null).sort((a, b) => a - b);
+  return values.length ? clamp(3 * Math.floor(Math.log10(values[values.length >> 1]) / 3), 0, 15) : 0;
+}
+
+const unitText = (power) => (power === 0 ? "1" : `10${power === 3 ? "³" : `${power >= 10 ? "¹" : ""}${"⁰¹²³⁴⁵⁶⁷⁸⁹"[power % 10]}`}`);
 
 /** What a column sorts by, where less comes first going up; null goes last either way. */
 function sortValue(row, key, metric) {
@@ -58,6 +66,7 @@ class ModeTable {
 
   draw() {
     const metric = metricOf(state.metric);
+    this.power = efficiencyPower(this.rows);
     this.sorted = sortedRows(this.rows, state.sort, metric);
     const best = Object.fromEntries(["error", "cpu", "efficiency"].map((key) => [key, bestOf(this.rows, key, metric)]));
     const cells = this.figures(metric);
@@ -70,7 +79,7 @@ class ModeTable {
     const pairs = {
       error: this.sorted.map((row) => (badnessOf(row, metric) === -Infinity ? [null, null] : estimateOf(row, metric.name))),
       cpu: this.sorted.map((row) => row.cpu),
-      efficiency: this.sorted.map(efficiencyOf),
+      efficiency: this.sorted.map((row) => efficiencyOf(row).map((value) => (value === null ? null : value / 10 ** this.power))),
     };
     const columns_ = {};
     for (const [key, list] of Object.entries(pairs)) {
@@ -85,7 +94,7 @@ class ModeTable {
 
   head(metric) {
     const [sortKey, direction] = state.sort.split("-");
-    const cells = columns.map(({ key, title, number, spread }) => {
+    const cells = columns.map(({ key, title, unit, number, spread }) => {
       const active = key === sortKey;
       return h("th",
         {
@@ -93,7 +102,8 @@ class ModeTable {
           "aria-sort": active ? (direction === "up" ? "ascending" : "descending") : "none",
         },
         h("button", { type: "button", "data-sort": key },
-          title(metric), h("span", { class: "arrow", "aria-hidden": "true" }, active ? (direction === "up" ? "▲" : "▼") : "")));
+          title(metric), h("span", { class: "arrow", "aria-hidden": "true" }, active ? (direction === "up" ? "▲" : "▼") : ""),
+          unit?.(metric, this.power) ? [h("br"), h("span", { class: "unit" }, unit(metric, this.power))] : null));
     });
     if (this.picks) cells.push(h("th", { scope: "col", class: "slots" }, "View as"));
     return h("thead", {}, h("tr", {}, cells));
@@ -102,7 +112,7 @@ class ModeTable {
   row(row, i, cells, best) {
     const number = (key, bold) => h("td", { class: bold ? "number best" : "number" }, cells[key][i]);
     const remarks = [
-      row.notFinite ? h("span", { class: "bad" }, ` ${row.notFinite} pixels are not finite`) : null,
+      row.notFinite ? h("span", { class: "bad" }, ` ${counted(row.notFinite, "pixel")} not finite`) : null,
       row.missing.length ? h("span", { class: "soft" }, ` lacks ${row.missing.join(", ")}`) : null,
     ];
     const slots = ["a", "b"].map((slot) =>
@@ -154,6 +164,6 @@ function lackingList(scene) {
   const items = scene.lacking.map(({ kind, renderer, reason, modes }) =>
     h("li", { class: kind === "failed" ? "bad-rule" : null },
       h("b", {}, renderer), kind === "failed" ? " failed" : " cannot draw it", `: ${reason}`,
-      h("span", { class: "soft" }, " ", modes.length > 3 ? `${modes.length} modes` : modes.map((mode, i) => [i ? ", " : "", spec(mode)]))));
+      h("span", { class: "soft" }, " ", modes.length > 3 ? counted(modes.length, "mode") : modes.map((mode, i) => [i ? ", " : "", spec(mode)]))));
   return h("div", { class: "lacking" }, h("h4", {}, "Empty cells"), h("ul", {}, items));
 }

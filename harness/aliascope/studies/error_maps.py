@@ -151,10 +151,11 @@ def _known(stored: Stored, option: str) -> str:
             f"{stored.path} ({stored.format}) does not say whether its values are linear or sRGB: "
             f"say it with {option} srgb or {option} linear"
         )
+    # Without --eraseattrib oiiotool leaves the old colour space's name in an EXR.
     raise InvalidInput(
         f'{stored.path} is in the colour space "{stored.colour_space}": make it linear Rec. 709 first, as with '
-        f"oiiotool {stored.path} --tocolorspace lin_rec709_scene -o linear.exr, or say with {option} what its values "
-        "are to be taken for, linear or srgb"
+        f"oiiotool {stored.path} --tocolorspace lin_rec709_scene --eraseattrib colorInteropID -o linear.exr, or say "
+        f"with {option} what its values are to be taken for, linear or srgb"
     )
 
 
@@ -222,15 +223,15 @@ def write_map(path: Path, image: Opened, reference: Opened, scale: float | None 
 
 
 DPI = 100
-LEAST_WIDTH = 512
-"""Pixels of a drawing's width at least: smaller pictures are enlarged by a whole factor."""
+LEAST_SIDE = 512
+"""Pixels of a drawing's longer side at least: smaller pictures are enlarged by a whole factor."""
 MARGIN, TITLE, LEGEND = 16, 30, 76
 """Pixels around the picture, above it, and below."""
 
 
-def map_zoom(width: int) -> int:
+def map_zoom(width: int, height: int) -> int:
     """How many pixels of the drawing a side of a picture's pixel has."""
-    return max(1, math.ceil(LEAST_WIDTH / width))
+    return math.ceil(LEAST_SIDE / max(width, height))
 
 
 def _draw(path: Path, mean: NDArray[np.float64], scale: float, title: str) -> None:
@@ -239,12 +240,12 @@ def _draw(path: Path, mean: NDArray[np.float64], scale: float, title: str) -> No
     from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
-    zoom = map_zoom(mean.shape[1])
+    zoom = map_zoom(mean.shape[1], mean.shape[0])
     colours = ScalarMappable(Normalize(-scale, scale), colormaps["RdBu_r"])
     pixels = colours.to_rgba(mean, bytes=True).repeat(zoom, axis=0).repeat(zoom, axis=1)
     height, width = pixels.shape[:2]
-    full = np.array([width + 2 * MARGIN, height + TITLE + LEGEND])
-    figure = Figure(figsize=(float(full[0]) / DPI, float(full[1]) / DPI), dpi=DPI)
+    full = max(width, LEAST_SIDE) + 2 * MARGIN, height + TITLE + LEGEND
+    figure = Figure(figsize=(full[0] / DPI, full[1] / DPI), dpi=DPI)
     figure.figimage(pixels, MARGIN, LEGEND, origin="upper")  # pixel for pixel: an axes would resample
     figure.text(MARGIN / full[0], 1 - 20 / full[1], title, fontsize=9)
 
@@ -254,10 +255,10 @@ def _draw(path: Path, mean: NDArray[np.float64], scale: float, title: str) -> No
         colours, cax=bar, orientation="horizontal", ticks=[-scale, 0.0, scale], extend="both" if beyond else "neither"
     )
     legend.ax.set_xticklabels([f"−{scale:.3g}", "0", f"+{scale:.3g}"], fontsize=8)
-    words = "blue too dark, red too bright; linear values, mean over channels"
+    words = "blue too dark, red too bright; mean over channels"
     if not mean.any():
         words = "no error"
     elif beyond:
-        words += f"; {beyond} pixel{'s' if beyond > 1 else ''} beyond the scale"
+        words += f"; {beyond} pixel{'s' if beyond > 1 else ''} beyond the ends"
     legend.set_label(words, fontsize=8)
     figure.savefig(path, dpi=DPI, format="png")

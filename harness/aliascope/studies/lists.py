@@ -7,7 +7,7 @@ from typing import Any
 
 from aliascope import metrics, scene_io
 from aliascope.errors import NotAvailable
-from aliascope.native import samplers
+from aliascope.native import filters, samplers
 from aliascope.renderers import RENDERERS
 from aliascope.specs import Key
 
@@ -61,7 +61,10 @@ def _metrics() -> Entries:
 
 
 def _filters() -> Entries:
-    return [{"name": "box", "text": "the mean over the pixel's square"}]
+    return [
+        {"name": info.name, "title": info.title, "source": info.source, "keys": list(info.parameters)}
+        for info in filters.registered()
+    ]
 
 
 LISTS: Mapping[str, Callable[[], Entries]] = {

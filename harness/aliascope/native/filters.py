@@ -1,0 +1,138 @@
+"""Reconstruction filters of the C library, as functions of numpy arrays.
+
+A filter is given by a profile in one dimension, even and of integral 1, x in pixels; the filter of a picture is the
+product of the profile along x and along y. Specs: "name:key=value,...". All functions raise SpecError for an unknown
+name, key or value.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from aliascope.native.loading import check, error_box, module
+
+
+def _library() -> Any:
+    return module("_sampler", "the library libaliascope")
+
+
+class Filter:
+    """An immutable filter of the C library."""
+
+    def __init__(self, spec: str) -> None:
+        library = _library()
+        text = library.ffi.new("char[]", spec.encode())
+        desc = library.ffi.new("asc_filter_desc *", [library.ffi.sizeof("asc_filter_desc"), text])
+        out, box = library.ffi.new("asc_filter **"), error_box(library.ffi)
+        check(library, library.lib.asc_filter_create(desc, out, box), box)
+        self.handle = library.ffi.gc(out[0], library.lib.asc_filter_destroy)
+        self._library = library
+
+    @property
+    def spec(self) -> str:
+        """The canonical spec."""
+        library = self._library
+        desc = library.ffi.new("asc_filter_desc *")
+        check(library, library.lib.asc_filter_resolved(self.handle, desc))
+        return str(library.ffi.string(desc.spec).decode())
+
+    @property
+    def radius(self) -> float:
+        """In pixels."""
+        return float(self._library.lib.asc_filter_radius(self.handle))
+
+    def evaluate(self, x: ArrayLike) -> NDArray[np.float64]:
+        """The profile at x, of x's shape; zero for x < -radius and x >= radius."""
+        return self._mapped(self._library.lib.asc_filter_evaluate, x)
+
+    def response(self, frequencies: ArrayLike) -> NDArray[np.float64]:
+        """The profile's Fourier transform, real and even, at frequencies in cycles a pixel, within 1e-12.
+
+        Raises InvalidInput beyond 1000 either way.
+        """
+        return self._mapped(self._library.lib.asc_filter_response, frequencies)
+
+    def integral(self, a: float, b: float) -> float:
+        """The profile's integral from a to b, within 1e-14. Either may be infinite. Raises InvalidInput for NaN."""
+        made = self._library.ffi.new("double *")
+        check(self._library, self._library.lib.asc_filter_integral(self.handle, a, b, made))
+        return float(made[0])
+
+    def _mapped(self, function: Any, x: ArrayLike) -> NDArray[np.float64]:
+        given = np.ascontiguousarray(x, np.float64)
+        made = np.empty_like(given)
+        if given.size:
+            buffer = self._library.ffi.from_buffer
+            source, target = buffer("double[]", given.ravel()), buffer("double[]", made.reshape(-1))
+            check(self._library, function(self.handle, source, given.size, target))
+        return made.reshape(np.shape(x))
+
+
+@functools.lru_cache(maxsize=256)
+def made(spec: str) -> Filter:
+    """The filter of a spec, made once."""
+    return Filter(spec)
+
+
+def canonical(spec: str) -> str:
+    """The canonical form of a filter's spec: keys sorted, defaults left out."""
+    return made(spec).spec
+
+
+def radius(spec: str) -> float:
+    """Half the width of a filter, in pixels."""
+    return made(spec).radius
+
+
+def evaluate(spec: str, x: ArrayLike) -> NDArray[np.float64]:
+    """A filter's profile at x, of x's shape.
+
+    >>> evaluate("tent", [0.0, 0.25, 1.0]).tolist()
+    [1.0, 0.75, 0.0]
+    """
+    return made(spec).evaluate(x)
+
+
+def integral(spec: str, a: float, b: float) -> float:
+    """The integral of a filter's profile from a to b, either of which may be infinite, within 1e-14."""
+    return made(spec).integral(a, b)
+
+
+def response(spec: str, frequencies: ArrayLike) -> NDArray[np.float64]:
+    """The Fourier transform of a filter's profile, real and even, at frequencies in cycles a pixel, within 1e-12."""
+    return made(spec).response(frequencies)
+
+
+@dataclass(frozen=True)
+class FilterInfo:
+    """One line of `aliascope list filters`; parameters as "key=interval: help (default)"."""
+
+    name: str
+    title: str
+    source: str
+    parameters: tuple[str, ...]
+
+
+def registered() -> list[FilterInfo]:
+    """All filters that are registered."""
+    library = _library()
+
+    def text(pointer: Any) -> str:
+        return str(library.ffi.string(pointer).decode())
+
+    found = []
+    for index in range(library.lib.asc_filter_count()):
+        info = library.ffi.new("asc_filter_info *")
+        check(library, library.lib.asc_filter_describe(index, info))
+        entries = [info.parameters[number] for number in range(info.parameter_count)]
+        parameters = tuple(
+            f"{text(entry.name)}={entry.minimum:g}..{entry.maximum:g}: {text(entry.text)} (default {entry.fallback:g})"
+            for entry in entries
+        )
+        found.append(FilterInfo(text(info.name), text(info.title), text(info.source), parameters))
+    return found

@@ -1,0 +1,402 @@
+"""The report as its reader meets it, in Chromium, from disk."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
+
+import numpy as np
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from aliascope.records import EmptyCell, ReportData, SceneSection
+from aliascope.report import write_report
+from browser.conftest import wait_ready
+from browser.report_data import BRIGHT, DARK, HEADLINE, HOSTILE, MARK, NOT_A_NUMBER
+
+Open = Callable[..., Page]
+EMBREE, POVRAY, OSMESA = "embree uniform:n=64", "povray am2:depth=3", "osmesa msaa:n=4"
+AT_MARK = f"x={MARK[0]}&y={MARK[1]}"
+BOTH = f"#scene=edge&a={POVRAY}&b={EMBREE}&{AT_MARK}"
+
+
+def fragment(page: Page) -> dict[str, str]:
+    page.wait_for_timeout(200)  # the address is written 120 ms after the last change
+    return {key: values[0] for key, values in parse_qs(urlsplit(page.url).fragment).items()}
+
+
+def visible(page: Page, selector: str) -> list[str]:
+    return page.locator(f"section.scene:not([hidden]) {selector}").all_inner_texts()
+
+
+def number(text: str) -> float:
+    return float(re.sub(r"[\s\u202f]", "", text).replace("\u2212", "-"))
+
+
+def read_out(page: Page, key: str) -> list[str]:
+    return page.locator(f'[data-read="{key}"] td').all_inner_texts()
+
+
+def colour_at(page: Page, pixel: tuple[int, int], pane: int = 0) -> list[int]:
+    return colour_in(page.locator(".pane canvas").nth(pane), pixel)
+
+
+def colour_in(canvas: Locator, pixel: tuple[int, int]) -> list[int]:
+    """The colour of a picture's pixel in a canvas that shows all of it, at the pixel's centre."""
+    return canvas.evaluate(
+        """(canvas, [x, y]) => {
+            const copy = new OffscreenCanvas(canvas.width, canvas.height);  // to read from the page's own slows it down
+            const context = copy.getContext("2d", { willReadFrequently: true });
+            context.drawImage(canvas, 0, 0);
+            const side = canvas.width / 40;
+            return [...context.getImageData((x + 0.5) * side, (y + 0.5) * side, 1, 1).data].slice(0, 3);
+        }""",
+        list(pixel),
+    )
+
+
+def test_answers_come_in_the_order_of_the_questions(open_page: Open) -> None:
+    page = open_page()
+    heads = page.locator("main > section > h2").all_inner_texts()
+    assert heads == ["1 job has failed", "What came out", "Let me see it", "Can I trust it?"]
+    assert page.locator(".headlines p").first.inner_text() == HEADLINE
+    facts = page.locator(".facts").inner_text()
+    for fact in ("2026-12-01 14:03", "27 pictures", "3 reused", "1 failed", "3 min 41 s"):
+        assert fact in facts
+    failure = page.locator(".failures li").inner_text()
+    assert "povray was killed" in failure
+    assert "aliascope render edge" in failure
+
+
+def test_a_hostile_name_is_text(open_page: Open) -> None:
+    page = open_page()
+    page.get_by_role("tab").nth(2).click()
+    assert page.locator(".scene:not([hidden]) h3").first.inner_text() == HOSTILE
+    assert page.evaluate("window.hacked") is None
+    assert page.locator("img").count() == 0
+    assert fragment(page)["scene"] == HOSTILE
+    page.reload()
+    wait_ready(page)
+    expect(page.get_by_role("tab").nth(2)).to_have_attribute("aria-selected", "true")
+    assert page.evaluate("window.hacked") is None
+
+
+def test_tables_sort_by_click_and_key(open_page: Open) -> None:
+    page = open_page("#scene=edge")
+    seconds = lambda: [number(text) for text in visible(page, ".modes td:nth-child(5)")]  # noqa: E731
+    errors = [number(text) for text in visible(page, ".modes td:nth-child(2)")]
+    assert errors == sorted(errors)
+    head = page.locator("section.scene:not([hidden]) [data-sort=cpu]")
+    head.click()
+    assert seconds() == [0.001, 0.004, 0.05, 0.9]
+    head.focus()
+    page.keyboard.press("Enter")
+    assert seconds() == [0.9, 0.05, 0.004, 0.001]
+    sorted_head = page.locator("section.scene:not([hidden]) th[aria-sort=descending]")
+    assert sorted_head.inner_text().split() == ["CPU", "time▼", "s"]
+    assert fragment(page)["sort"] == "cpu-down"
+
+
+def test_tables_are_tables(open_page: Open) -> None:
+    page = open_page()
+    unscoped = page.locator("th:not([scope])").count()
+    assert unscoped == 0
+    assert page.locator("table:not(:has(caption))").count() == 0
+    best = visible(page, ".modes td.best")
+    assert [text.strip() for text in best] == ["0.00500", "800", "0.00100"]
+
+
+def test_a_and_b_are_chosen_in_table_list_and_sheet(open_page: Open) -> None:
+    page = open_page("#scene=edge")
+    scene = page.locator("section.scene:not([hidden])")
+    row = scene.locator(f'tr[data-mode="{POVRAY}"]')
+    row.locator("th").click()
+    row.get_by_role("button", name="as B").click()
+    names = page.locator(".pane-name")
+    expect(names.nth(0)).to_have_text("povray am2, depth=3")
+    expect(names.nth(1)).to_have_text("povray am2, depth=3")
+    page.get_by_label("picture B").select_option(EMBREE)
+    expect(names.nth(1)).to_have_text("embree uniform halton, n=64")
+    scene.locator(f'.card[data-mode="{OSMESA}"]').click()
+    expect(names.nth(0)).to_have_text("osmesa msaa, n=4")
+    assert {key: value for key, value in fragment(page).items() if key in "ab"} == {"a": OSMESA, "b": EMBREE}
+    assert scene.locator('[data-slot=a][aria-pressed="true"]').count() == 1
+
+
+def test_the_read_out_is_the_linear_value(open_page: Open, data: ReportData) -> None:
+    page = open_page(f"{BOTH}&exposure=3")
+    scene = data.scenes[0]
+    rows = {f"{row.renderer} {row.mode}": row.pixels for row in scene.rows}
+    pictures = {"reference": scene.reference, "a": rows[POVRAY], "b": rows[EMBREE]}
+    for key, pixels in pictures.items():
+        expected = pixels[MARK[1], MARK[0]]
+        assert [number(text) for text in read_out(page, key)] == [float(f"{v:.6g}") for v in expected.astype(float)]
+    difference = rows[POVRAY][MARK[1], MARK[0]].astype(float) - scene.reference[MARK[1], MARK[0]]
+    assert [number(text) for text in read_out(page, "a-error")] == [float(f"{v:.5g}") for v in difference]
+
+
+def test_the_pixel_under_the_pointer_is_read_out(open_page: Open, data: ReportData) -> None:
+    page = open_page(BOTH)
+    canvas = page.locator(".pane canvas").nth(1)
+    canvas.scroll_into_view_if_needed()
+    box = canvas.bounding_box()
+    assert box is not None
+    x, y = 12, 17
+    page.mouse.move(box["x"] + (x + 0.5) * box["width"] / 40, box["y"] + (y + 0.5) * box["height"] / 30)
+    assert page.locator(".place").inner_text() == f"pixel ({x}, {y})"
+    expected = [float(f"{v:.6g}") for v in data.scenes[0].reference[y, x].astype(float)]
+    assert [number(text) for text in read_out(page, "reference")] == expected
+    page.mouse.click(box["x"] + (x + 0.5) * box["width"] / 40, box["y"] + (y + 0.5) * box["height"] / 30)
+    assert {key: fragment(page)[key] for key in "xy"} == {"x": "12", "y": "17"}
+
+
+def test_a_value_that_is_no_number_is_said(open_page: Open) -> None:
+    x, y = NOT_A_NUMBER
+    page = open_page(f"#scene=edge&a={POVRAY}&b={EMBREE}&x={x}&y={y}")
+    assert read_out(page, "a") == ["NaN", "NaN", "NaN"]
+    assert colour_at(page, (x, y)) == [255, 0, 255]
+    assert "1 pixel not finite" in page.locator(f'.scene:not([hidden]) tr[data-mode="{POVRAY}"]').inner_text()
+
+
+def test_pictures_are_srgb_of_the_linear_values_times_the_exposure(open_page: Open, data: ReportData) -> None:
+    def srgb(linear: float) -> int:  # IEC 61966-2-1
+        v = min(max(linear, 0.0), 1.0)
+        return round(255 * (12.92 * v if v <= 0.0031308 else 1.055 * v ** (1 / 2.4) - 0.055))
+
+    pixel = (11, 20)
+    values = data.scenes[0].reference[pixel[1], pixel[0]].astype(float)
+    for stops in (0, 1):
+        page = open_page(f"#scene=edge&a=reference&b={EMBREE}&exposure={stops}")
+        assert colour_at(page, pixel) == [srgb(v * 2**stops) for v in values]
+
+
+def test_the_error_map_is_neutral_at_zero_red_above_blue_below(open_page: Open) -> None:
+    page = open_page(f"#scene=edge&a={POVRAY}&b=reference&view=errors")
+    red, green, blue = colour_at(page, BRIGHT)
+    assert red > 1.5 * max(green, blue)
+    red, green, blue = colour_at(page, DARK)
+    assert blue > 1.5 * red
+    zero = colour_at(page, (11, 20), pane=1)
+    assert min(zero) > 235
+    assert max(zero) - min(zero) <= 1
+    scale = page.locator(".stage-column .error-legend").inner_text()
+    assert scale.split() == ["−0.1", "darker", "0", "+0.1", "brighter"]
+
+
+def test_one_error_scale_for_every_map_of_a_scene(open_page: Open, data: ReportData) -> None:
+    """The picture whose error is a fifth of another's is a fifth as far from neutral, not as bright."""
+    page = open_page("#scene=edge")
+    spread = """(canvas) => {
+        const data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+        let sum = 0;
+        for (let i = 0; i < data.length; i += 4) sum += Math.abs(data[i] - data[i + 2]);
+        return sum / data.length;
+    }"""
+    far = {
+        mode: page.locator(f'.scene:not([hidden]) .card[data-mode="{mode}"] canvas').nth(1).evaluate(spread)
+        for mode in (EMBREE, OSMESA)
+    }
+    noise = {row.mode: np.std(row.pixels - data.scenes[0].reference) for row in data.scenes[0].rows}
+    assert noise["msaa:n=4"] > noise["uniform:n=64"]
+    assert far[OSMESA] > 5 * far[EMBREE] > 0
+    pixel = (11, 20)
+    page = open_page(f"#scene=edge&a={OSMESA}&view=error-a")
+    # thumbnails of 40 x 30 pixels are drawn three times larger by the style, not in the canvas
+    thumbnail = page.locator(f'.scene:not([hidden]) .card[data-mode="{OSMESA}"] canvas').nth(1)
+    assert colour_in(thumbnail, pixel) == colour_in(page.locator(".pane canvas").first, pixel)
+
+
+def test_the_address_restores_what_was_seen(open_page: Open) -> None:
+    page = open_page()
+    page.get_by_role("tab", name="zone-plate").click()
+    page.get_by_label("picture A").select_option(OSMESA)
+    page.get_by_label("slider").check()
+    page.keyboard.press("+")
+    page.get_by_label("exposure in stops").fill("1.5")
+    page.get_by_label("Error as").select_option("psnr")
+    before = fragment(page)
+    assert before.items() >= {"scene": "zone-plate", "a": OSMESA, "view": "slider", "metric": "psnr"}.items()
+    assert before["exposure"] == "1.5"
+    shown = page.locator(".viewer").inner_text(), visible(page, ".modes")
+    page.reload()
+    wait_ready(page)
+    assert fragment(page) == before
+    assert (page.locator(".viewer").inner_text(), visible(page, ".modes")) == shown
+    assert page.get_by_label("slider").is_checked()
+
+
+@pytest.mark.parametrize("bad", ["#scene=nowhere&a=x&zoom=-3&x=1e99&metric=%00", "#=&&==", "#scene=%E0%A4%A"])
+def test_an_address_that_makes_no_sense_shows_the_start(open_page: Open, bad: str) -> None:
+    page = open_page(bad)
+    expect(page.get_by_role("tab").nth(0)).to_have_attribute("aria-selected", "true")
+    assert page.locator(".pane canvas").first.is_visible()
+
+
+def test_keys(open_page: Open) -> None:
+    page = open_page(BOTH)
+    page.locator(".stage").focus()
+    names = page.locator(".pane-name")
+    page.keyboard.press("2")
+    expect(names.nth(0)).to_have_text("povray am2, depth=3")  # second best by error
+    page.keyboard.press("Shift+Digit4")
+    expect(names.nth(1)).to_have_text("osmesa msaa, n=4")
+    page.keyboard.press("r")
+    expect(names.nth(0)).to_have_text("reference")
+    page.keyboard.press("r")
+    expect(names.nth(0)).to_have_text("povray am2, depth=3")
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Shift+ArrowDown")
+    assert page.locator(".place").inner_text() == f"pixel ({MARK[0] + 1}, {MARK[1] + 10})"
+    page.keyboard.press("e")
+    expect(page.locator(".pane canvas").nth(0)).to_have_attribute("data-shows", "a error")
+    page.keyboard.press("e")
+    expect(page.locator(".pane canvas").nth(0)).to_have_attribute("data-shows", "b error")
+    zoom = page.locator(".dial output").nth(1)
+    fit = int(zoom.inner_text().removesuffix("×"))
+    page.keyboard.press("+")
+    assert int(zoom.inner_text().removesuffix("×")) > fit
+    page.keyboard.press("0")
+    assert int(zoom.inner_text().removesuffix("×")) == fit
+
+
+def test_space_blinks(open_page: Open) -> None:
+    page = open_page(BOTH)
+    page.locator(".stage").focus()
+    page.keyboard.press(" ")
+    canvas = page.locator(".pane canvas").nth(0)
+    assert fragment(page)["view"] == "blink"
+    page.keyboard.press(" ")  # from here on by hand
+    first = canvas.get_attribute("data-shows")
+    page.keyboard.press(" ")
+    second = canvas.get_attribute("data-shows")
+    assert {first, second} == {"a picture", "b picture"}
+    for _ in range(4):  # over two periods
+        page.wait_for_timeout(350)
+        assert canvas.get_attribute("data-shows") == second
+
+
+def test_keys_leave_fields_alone(open_page: Open) -> None:
+    page = open_page(BOTH)
+    field = page.locator(".questions input[type=text]").first
+    field.fill("")
+    field.type("0.0123")
+    assert field.input_value() == "0.0123"
+    assert fragment(page)["a"] == POVRAY
+
+
+def test_the_slider_shows_a_left_and_b_right(open_page: Open) -> None:
+    both = open_page(BOTH)
+    left, right = (5, 20), (35, 20)
+    expected = [colour_at(both, left, 0), colour_at(both, right, 1)]
+    page = open_page(f"{BOTH}&view=slider&split=0.5")
+    assert [colour_at(page, left), colour_at(page, right)] == expected
+
+
+def test_the_plot_has_all_renderers_in_their_colours(open_page: Open) -> None:
+    page = open_page()
+    for place in ("#overview-plot", ".scene:not([hidden])"):
+        for renderer, colour in (("embree", "#0072B2"), ("povray", "#D55E00"), ("osmesa", "#009E73")):
+            points = page.locator(f"{place} .point[data-renderer={renderer}]")
+            assert points.count() >= 1
+            path = points.first.locator("path")
+            assert colour in (path.get_attribute("fill"), path.get_attribute("stroke"))
+    assert page.locator("#overview-plot .front").count() == 1
+    assert page.locator("#overview-plot .bar").count() >= 2  # of embree: the others have no uncertainty of their time
+
+
+def test_a_mode_that_lacks_a_scene_is_hollow_and_said(open_page: Open) -> None:
+    page = open_page("#scene=zone-plate")
+    hollow = page.locator("#overview-plot .point.hollow")
+    assert hollow.get_attribute("data-mode") == "uniform:n=4"
+    assert "adaptive passes need a <lens>" in page.locator(".scene:not([hidden]) .lacking").inner_text()
+    assert "adaptive passes need a <lens>" in page.locator("#trust").inner_text()
+
+
+def test_a_point_is_hovered_and_chosen(open_page: Open) -> None:
+    page = open_page("#scene=edge")
+    point = page.locator('#overview-plot .point[data-mode="am2:depth=3"]')
+    point.hover()
+    assert "am2, depth=3" in page.locator("#overview-plot .tip").inner_text()
+    point.click(modifiers=["Shift"])
+    assert fragment(page)["b"] == POVRAY
+    page.locator('#overview-plot .point[data-mode="msaa:n=4"]').click()
+    assert fragment(page)["a"] == OSMESA
+    point.focus()
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("Enter")
+    assert fragment(page)["a"] == EMBREE
+
+
+def test_which_one(open_page: Open) -> None:
+    page = open_page()
+    best = page.locator(".answer .best")
+    page.locator(".questions input[type=text]").nth(0).fill("0.06")
+    assert "uniform halton, n=64" in best.inner_text()
+    page.locator(".questions input[type=text]").nth(0).fill("0.0015")
+    assert "msaa, n=4" in best.inner_text()
+    assert "fastest takes" in page.locator(".answer").inner_text()
+    page.locator(".questions input[type=text]").nth(1).fill("0.03")
+    assert "uniform halton, n=64" in best.inner_text()
+    assert "best is 0.1" in page.locator(".answer tr", has_text="osmesa").inner_text()
+
+
+def test_metrics_without_a_value(open_page: Open) -> None:
+    page = open_page("#scene=edge&metric=max")
+    assert set(visible(page, ".modes td:nth-child(2)")) == {"–"}
+    assert "Nothing to plot" in page.locator("#overview-plot svg").text_content()
+    page.get_by_label("Error as").select_option("bias")
+    assert {text.strip() for text in visible(page, ".modes td:nth-child(2)")} == {"−0.00100"}
+
+
+def test_dark_and_light(open_page: Open) -> None:
+    background = "getComputedStyle(document.documentElement).backgroundColor"
+    light, dark = (open_page(scheme=scheme).evaluate(background) for scheme in ("light", "dark"))
+    assert min(int(c) for c in re.findall(r"\d+", light)) > 230
+    assert max(int(c) for c in re.findall(r"\d+", dark)) < 40
+
+
+@pytest.mark.parametrize("scene", [0, 2])
+def test_a_narrow_page_does_not_scroll_sideways(open_page: Open, scene: int) -> None:
+    page = open_page(width=380)
+    page.get_by_role("tab").nth(scene).click()
+    for details in page.locator("details").all():
+        details.evaluate("node => node.open = true")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 380
+    canvas = page.locator(".pane canvas").first.bounding_box()
+    assert canvas is not None
+    assert canvas["width"] <= 380
+
+
+@pytest.mark.parametrize("scenes", [0, 1, 2])
+def test_a_report_of_nothing(open_page: Open, data: ReportData, tmp_path: Path, scenes: int) -> None:
+    """No scene, one without a picture, and one beside a scene that has some."""
+    empty = (EmptyCell("bare", "povray", "none", "why"),)
+    bare = SceneSection("bare", "Bare", "", data.scenes[0].reference, "", (), empty)
+    path = write_report(tmp_path, replace(data, scenes=(bare, data.scenes[0])[:scenes], headlines=()))
+    page = open_page()
+    page.goto(path.as_uri())
+    if scenes == 0:
+        assert "No picture was measured" in page.locator("#answer").inner_text()
+        return
+    wait_ready(page)
+    assert "No picture of this scene" in page.locator(".scene").first.inner_text()
+    assert "povray cannot draw it: why" in page.locator(".scene").first.inner_text()
+    page.keyboard.press("1")
+    if scenes == 2:
+        page.get_by_role("tab", name="edge").click()
+        assert page.locator(".pane canvas").first.is_visible()
+        page.get_by_role("tab", name="bare").click()
+        page.keyboard.press("1")
+
+
+def test_paper_has_every_scene(open_page: Open) -> None:
+    page = open_page(scheme="dark")
+    page.emulate_media(media="print")
+    assert page.locator(".scene").count() == 3
+    for scene in page.locator(".scene").all():
+        assert scene.is_visible()
+        assert scene.locator(".sheet").get_attribute("data-ready") == "true"
+    assert page.evaluate("getComputedStyle(document.documentElement).color") == "rgb(22, 24, 27)"

@@ -1,0 +1,286 @@
+"""The files of a report: pictures to the bit, figures that parse, names that stay names."""
+
+from __future__ import annotations
+
+import csv
+import html
+import json
+import math
+import re
+import zlib
+from base64 import b64decode
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from aliascope.errors import InvalidInput, NotWritable
+from aliascope.records import EmptyCell, Estimate, Failure, ModeRow, Pixels, ReportData, SceneSection
+from aliascope.report import page, write_report
+from aliascope.report.document import document, script_json
+from aliascope.report.encode import PictureStore, decode_picture, encode_picture, error_map, error_scale, round_up
+from aliascope.report.plots import colours, plots_of
+from aliascope.report.pool import curve_of, efficiency, in_common, pareto_front, pool
+
+HOSTILE = "</script><!--<script>alert('$x^{$')\u2028&\"\n,=1"
+NAN, INF = math.nan, math.inf
+
+
+def row_of(
+    renderer: str, mode: str, rmse: float, seconds: float, pixels: Pixels, error: float | None = None
+) -> ModeRow:
+    metrics = {"rmse": Estimate(rmse, error), "psnr": Estimate(NAN), "max": Estimate(INF), "bias": Estimate(None)}
+    return ModeRow(renderer, mode, mode, "family", 4.0, Estimate(seconds, error), metrics, 2, pixels, 1 / 255)
+
+
+def data_of(*scenes: SceneSection) -> ReportData:
+    failure = Failure("one", "povray", "am2", HOSTILE, f"aliascope {HOSTILE}")
+    named = {HOSTILE: HOSTILE}
+    return ReportData("t", "2026-12-01", 1.0, 2, 0, (HOSTILE,), scenes, (failure,), named, named, named)
+
+
+def scene_of(name: str, *rows: ModeRow) -> SceneSection:
+    empty = (EmptyCell(name, "osmesa", HOSTILE, HOSTILE),)
+    return SceneSection(name, name, name, np.zeros((3, 4, 3), np.float32), HOSTILE, rows, empty)
+
+
+def usual() -> ReportData:
+    black, grey = np.zeros((3, 4, 3), np.float32), np.full((3, 4, 3), 0.5, np.float32)
+    grey[1, 2, 0] = NAN
+    grey[2, 1, 1] = INF
+    rows = row_of("embree", HOSTILE, 0.1, 0.5, grey, 0.01), row_of("povray", "b", 0.0, 0.25, black)
+    return data_of(scene_of("one", *rows), scene_of(HOSTILE, *rows), scene_of("ONE", rows[0]))
+
+
+# Pictures.
+
+
+@pytest.mark.parametrize("kinds", ["few", "some", "all different", "any bits"])
+def test_pictures_come_back_to_the_bit(kinds: str) -> None:
+    rng = np.random.default_rng(11)
+    shape = (90, 41, 3)
+    words = {
+        "few": rng.integers(0, 2, shape, np.uint32) * np.uint32(0x3F800001),
+        "some": np.repeat(rng.integers(0, 1 << 30, (90, 41, 1), np.uint32) % 700, 3, axis=2),  # two bytes an index
+        "all different": rng.random(shape, np.float32).view(np.uint32),
+        "any bits": rng.integers(0, 1 << 32, shape, np.uint32),  # NaNs with payloads, subnormals, both zeros
+    }[kinds]
+    pixels = words.astype(np.uint32).view(np.float32)
+    back = decode_picture(encode_picture(pixels), 41, 90)
+    assert np.array_equal(back.view(np.uint32), pixels.view(np.uint32))
+
+
+def test_more_colours_than_a_palette_holds() -> None:
+    pixels = np.random.default_rng(12).random((300, 300, 3), np.float32)
+    text = encode_picture(pixels)
+    assert zlib.decompress(b64decode(text))[0] == 0
+    assert np.array_equal(decode_picture(text, 300, 300), pixels)
+
+
+def test_views_and_single_pixels_are_encoded_too() -> None:
+    pixels = np.arange(60, dtype=np.float32).reshape(4, 5, 3)[::-1, ::2]
+    assert np.array_equal(decode_picture(encode_picture(pixels), 3, 4), pixels)
+    one = np.full((1, 1, 3), 0.1, np.float32)
+    assert np.array_equal(decode_picture(encode_picture(one), 1, 1), one)
+
+
+def test_a_picture_of_another_size_is_refused() -> None:
+    with pytest.raises(ValueError, match="5 x 4 pixels"):
+        decode_picture(encode_picture(np.zeros((4, 4, 3), np.float32)), 5, 4)
+
+
+def test_flat_pictures_are_small() -> None:
+    """17 grey levels, as 16 samples a pixel leave them along edges: what most scenes are made of."""
+    y, x = np.mgrid[0:96, 0:128]
+    levels = np.clip((x - 0.6 * y) % 40 - 12, 0, 16) // 1 / 16
+    pixels = np.repeat(levels[..., np.newaxis], 3, axis=2).astype(np.float32)
+    assert len(encode_picture(pixels)) < pixels.nbytes / 30
+
+
+def test_equal_pictures_are_stored_once() -> None:
+    store = PictureStore()
+    zero, one = np.zeros((2, 6, 3), np.float32), np.ones((2, 6, 3), np.float32)
+    assert [store.add(zero), store.add(one), store.add(zero.copy())] == [0, 1, 0]
+    assert store.add(zero.reshape(6, 2, 3)) == 2
+    assert store.add(-zero) == 3  # -0.0 has other bits
+    assert len(store.texts) == 4
+
+
+@given(st.floats(1e-300, 1e300))
+@settings(max_examples=300)
+def test_round_up_is_the_next_of_1_2_5(value: float) -> None:
+    rounded = round_up(value)
+    mantissa = f"{rounded:e}".split("e")[0].rstrip("0").rstrip(".")
+    assert mantissa in {"1", "2", "5"}
+    assert value * (1 - 1e-11) <= rounded <= value * 2.5 * (1 + 1e-11)
+
+
+def test_the_error_scale_is_one_number_for_a_scene() -> None:
+    reference = np.zeros((10, 10, 3), np.float32)
+    errors = [error_map(np.full_like(reference, value), reference) for value in (0.5, 0.03, -0.04, 0.0)]
+    assert error_scale(errors) == 0.05  # the median of the three that have an error is 0.04
+    assert error_scale([]) == error_scale([np.full((2, 2), NAN)]) == 0.01
+    assert round_up(0.1) == 0.1
+
+
+# Figures over scenes.
+
+
+def test_pooled_figures() -> None:
+    pixels = np.zeros((3, 4, 3), np.float32)
+    scenes = [
+        scene_of("one", row_of("embree", "a", 0.3, 1.0, pixels, 0.01), row_of("embree", "b", 0.1, 1.0, pixels)),
+        scene_of("two", row_of("embree", "a", 0.4, 3.0, pixels, 0.02)),
+    ]
+    first, second = pool(scenes)
+    assert first.metrics["rmse"].value == pytest.approx(math.sqrt((0.09 + 0.16) / 2))
+    # d sqrt((a^2 + b^2) / 2) = (a da + b db) / (2 sqrt((a^2 + b^2) / 2)), da and db independent
+    expected = math.hypot(0.3 * 0.01, 0.4 * 0.02) / (2 * math.sqrt(0.125))
+    assert first.metrics["rmse"].standard_error == pytest.approx(expected)
+    assert first.metrics["psnr"].value == pytest.approx(-10 * math.log10(0.125))
+    assert first.metrics["max"].value is None  # infinite is no figure
+    assert first.cpu_seconds.value == 2.0
+    assert (first.missing, second.missing) == ((), ("two",))
+    assert second.metrics["rmse"].standard_error is None
+    assert efficiency(first) == pytest.approx(1 / (0.125 * 2.0))
+    assert efficiency(curve_of(row_of("a", "b", 0.0, 1.0, pixels))) is None
+
+
+def test_scenes_in_common() -> None:
+    pixels = np.zeros((3, 4, 3), np.float32)
+    a, b = row_of("embree", "a", 0.3, 1.0, pixels), row_of("povray", "b", 0.1, 1.0, pixels)
+    scenes = scene_of("one", a, b), scene_of("two", a), scene_of("three")
+    assert [scene.name for scene in in_common(scenes)] == ["one"]
+    # none in common: all that have a row
+    assert [scene.name for scene in in_common((scene_of("x", b), *scenes[1:]))] == ["x", "two"]
+
+
+@given(st.lists(st.tuples(st.integers(1, 9), st.integers(1, 9)), max_size=12))
+def test_the_front_is_what_nothing_beats(points: list[tuple[int, int]]) -> None:
+    found = {points[i] for i in pareto_front(points)}
+    expected = {p for p in points if not any(q != p and q[0] <= p[0] and q[1] <= p[1] for q in points)}
+    assert found == expected
+
+
+# Files.
+
+
+def test_all_files_are_written_and_parse(tmp_path: Path) -> None:
+    path = write_report(tmp_path / "new", usual())
+    assert path == tmp_path / "new" / "report.html"
+    names = ["all-scenes", "one", "one-2", "script-script-alert-x-1"]
+    found = sorted(p.name for p in (tmp_path / "new" / "plots").iterdir())
+    assert found == sorted(f"{name}.{kind}" for name in names for kind in ("svg", "csv"))
+    for name in names:
+        ElementTree.parse(tmp_path / "new" / "plots" / f"{name}.svg")
+        with (tmp_path / "new" / "plots" / f"{name}.csv").open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert {row["renderer"] for row in rows} >= {"embree"}
+        assert all(math.isfinite(float(row["rmse"])) for row in rows)
+    assert not list((tmp_path / "new").glob(".*"))
+
+
+def test_the_csv_has_every_figure_and_reason(tmp_path: Path) -> None:
+    write_report(tmp_path, usual())
+    with (tmp_path / "results.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["status"] for row in rows] == ["measured"] * 2 + ["empty"] + ["measured"] * 2 + ["empty"] + [
+        "measured",
+        "empty",
+        "failed",
+    ]
+    first, second = rows[:2]
+    assert first["mode"] == HOSTILE
+    assert float(first["rmse"]) == 0.1
+    assert float(first["rmse_standard_error"]) == 0.01
+    assert float(first["cpu_seconds"]) == 0.5
+    assert float(first["efficiency"]) == pytest.approx(200.0)
+    assert first["psnr"] == first["max"] == first["bias"] == ""  # NaN, infinite, none
+    assert second["rmse"] == "0.0"
+    assert second["efficiency"] == second["rmse_standard_error"] == ""
+    assert all(row["reason"] for row in rows if row["status"] != "measured")
+
+
+def test_there_is_no_nan_in_the_json() -> None:
+    values = document(usual(), PictureStore())
+
+    def refuse(name: str) -> None:
+        raise AssertionError(name)
+
+    assert json.loads(script_json(values), parse_constant=refuse) == values
+    assert values["scenes"][0]["rows"][0]["metrics"]["max"] == [None, None]
+    assert values["scenes"][0]["rows"][0]["notFinite"] == 2
+    assert values["scenes"][0]["rows"][0]["worst"] == [2, 1]  # the first that is not finite
+    with pytest.raises(ValueError, match="Out of range float"):
+        script_json(NAN)
+
+
+def test_nothing_in_the_json_ends_its_script() -> None:
+    text = script_json({"name": HOSTILE})
+    assert not re.search(r"[<>&\u2028\u2029]", text)
+    assert json.loads(text) == {"name": HOSTILE}
+
+
+def tags_of(markup: str) -> str:
+    """The tags of a page without what stands between them."""
+    return "".join(re.findall(r"<[^>]*>", markup))
+
+
+def test_the_page_asks_for_nothing() -> None:
+    text = page(usual())
+    found = set(re.findall(r"https?://[^\s\"'<>)]+", text))
+    assert found <= {"http://www.w3.org/2000/svg"}  # a namespace is a name
+    assert not re.search(r"<(link|img|iframe|object|embed|base)\b|@import|url\(", text)
+    markup = re.sub(r"(?s)<(script|style)\b.*?</\1>", "", text).replace("http-equiv=", "")
+    assert not re.search(r"\b(src|srcset|action|style|on[a-z]+)=", tags_of(markup))
+    assert "default-src 'none'" in html.unescape(text)
+
+
+def test_the_page_escapes_what_it_is_given() -> None:
+    text = page(usual())
+    assert "<script>alert" not in text
+    assert text.count("<!--") == 0
+    scripts = re.findall(r"<script\b([^>]*)>", text)
+    assert [attributes for attributes in scripts if "type=" not in attributes] == [""]  # one that runs: ours
+
+
+def test_the_same_data_gives_the_same_files(tmp_path: Path) -> None:
+    for name in "ab":
+        write_report(tmp_path / name, usual())
+    files = sorted(path.relative_to(tmp_path / "a") for path in (tmp_path / "a").rglob("*.*"))
+    assert len(files) == 10
+    for file in files:
+        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes(), file
+
+
+def test_colours_are_those_of_the_renderers() -> None:
+    found = colours(["mine", "osmesa", "yours"])
+    assert found["osmesa"] == "#009E73"
+    assert (found["mine"], found["yours"]) == ("#CC79A7", "#E69F00")
+
+
+def test_one_scene_has_one_plot() -> None:
+    data = usual()
+    assert [plot.name for plot in plots_of(replace(data, scenes=data.scenes[:1]))] == ["one"]
+    assert plots_of(replace(data, scenes=())) == []
+
+
+def test_an_empty_report_is_written(tmp_path: Path) -> None:
+    text = write_report(tmp_path, replace(usual(), scenes=(), failures=(), headlines=())).read_text()
+    assert "No picture was measured" in text
+
+
+def test_pictures_of_other_sizes_are_refused() -> None:
+    odd = scene_of("one", row_of("embree", "a", 0.1, 1.0, np.zeros((4, 3, 3), np.float32)))
+    with pytest.raises(InvalidInput, match="one: embree a: the picture is 3 x 4 x 3, its reference 4 x 3 x 3"):
+        page(data_of(odd))
+
+
+def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(NotWritable, match="cannot be written"):
+        write_report(tmp_path / "file", usual())
