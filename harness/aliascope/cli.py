@@ -256,16 +256,20 @@ def reference(
     scenes: Annotated[list[str], typer.Argument(metavar="SCENE...")],
     verify: Annotated[bool, typer.Option("--verify", help="Make them again and compare; change nothing.")] = False,
     size: Size = None,
+    filter_: Annotated[str, typer.Option("--filter", metavar="SPEC", help="See aliascope list filters.")] = "box",
+    samples: Annotated[
+        int | None, typer.Option(min=1, max=1 << 24, help="Of a pixel in each of 32 pictures, where it is converged.")
+    ] = None,
     out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Instead of reference/.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Make the exact references of scenes, or check those that are there."""
+    """Make the references of scenes, or check those that are there: exact if possible, else converged."""
     from aliascope import places
     from aliascope.studies import single
 
     folder = out or places.REFERENCES
     work = single.verify_reference if verify else single.make_reference
-    results = [work(scene, folder, _size(size)) for scene in scenes]
+    results = [work(scene, folder, _size(size), filter_, samples) for scene in scenes]
     if as_json:
         _print_json({"references": results})
     else:

@@ -25,6 +25,7 @@ def write_exr(path: Path, pixels: Pixels, header: Mapping[str, str]) -> None:
     spec = oiio.ImageSpec(width, height, channels, "float")
     spec.attribute("compression", "zip")
     spec.attribute("oiio:ColorSpace", "lin_rec709_scene")
+    spec.attribute("DateTime", "1970:01:01 00:00:00")  # instead of now: the same picture is the same file
     for key, value in header.items():
         spec.attribute(HEADER_PREFIX + key, value)
     temporary = path.with_name(f".{path.stem}.{os.getpid()}.exr")

@@ -1,4 +1,5 @@
-/* The tracer: geometry, pixels, sums, and the same bits for every division of the work. */
+/* The tracer: geometry, pixels, sums, filters, and the same bits for every division of the work. */
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "filtered.h"
 #include "tracer.h"
 
 /* A world unit is a pixel, (0, 0) the picture's lower left corner, seen from z = 10 along -z. */
@@ -30,18 +32,40 @@ static asc_material glow(double red, double green, double blue) {
   return (asc_material){.emission = {red, green, blue}};
 }
 
-static void render(const asc_scene *scene, const char *spec, uint64_t samples, uint32_t threads, float *pixels,
-                   tracer_cost *cost) {
+static asc_sampler *sampler_of(const char *spec, uint64_t samples) {
   const asc_sampler_desc pattern = {sizeof pattern, spec, samples, 2, 7};
   asc_sampler *sampler = NULL;
+  asc_error error = {{0}};
+  if (asc_sampler_create(&pattern, &sampler, &error)) fail_msg("%s", error.text);
+  return sampler;
+}
+
+static asc_filter *filter_of(const char *spec) {
+  const asc_filter_desc desc = {sizeof desc, spec};
+  asc_filter *filter = NULL;
+  asc_error error = {{0}};
+  if (asc_filter_create(&desc, &filter, &error)) fail_msg("%s", error.text);
+  return filter;
+}
+
+/* filter: NULL for none. */
+static void render_filtered(const asc_scene *scene, const char *spec, uint64_t samples, const char *filter,
+                            uint32_t threads, float *pixels, tracer_cost *cost) {
+  asc_sampler *sampler = sampler_of(spec, samples);
+  asc_filter *profile = filter ? filter_of(filter) : NULL;
   tracer *made = NULL;
   asc_error error = {{0}};
-  assert_int_equal(asc_sampler_create(&pattern, &sampler, &error), ASC_OK);
   if (tracer_create(scene, &made, &error)) fail_msg("%s", error.text);
-  const tracer_desc desc = {sizeof desc, sampler, threads};
+  const tracer_desc desc = {sizeof desc, sampler, threads, profile};
   if (tracer_render(made, &desc, pixels, cost, &error)) fail_msg("%s", error.text);
   tracer_destroy(made);
+  asc_filter_destroy(profile);
   asc_sampler_destroy(sampler);
+}
+
+static void render(const asc_scene *scene, const char *spec, uint64_t samples, uint32_t threads, float *pixels,
+                   tracer_cost *cost) {
+  render_filtered(scene, spec, samples, NULL, threads, pixels, cost);
 }
 
 /* A red triangle that covers pixel (1, 0) wholly and pixel (0, 3) not at all: a picture that is mirrored, transposed or
@@ -256,13 +280,114 @@ static void an_empty_scene_is_background(void **state) {
   for (int i = 0; i < 15; i++) assert_true(pixels[i][0] == 0.0f && pixels[i][1] == 0.25f);
 }
 
+/* Radii below and at half pixels and whole ones, and the largest. */
+static const char *const filters[] = {"tent",    "tent:radius=0.5", "gaussian",        "gaussian:radius=8", "mitchell",
+                                      "lanczos", "catmull-rom",     "blackman-harris", "box:radius=1.3"};
+#define FILTERS (sizeof filters / sizeof *filters)
+
+/* At the borders too, and for pictures smaller than a tile. Sums in double of up to 289 * 5 terms leave a relative
+ * error of 1e-12, so that the result is the float next to the constant at most. */
+static void filters_keep_a_constant(void **state) {
+  (void)state;
+  enum { MOST = 19 * 37 };
+  const uint32_t sizes[][2] = {{1, 1}, {19, 37}};
+  const double colour[3] = {0.3, 0.7, 4.1};
+  for (size_t k = 0; k < FILTERS * 4; k++) {
+    const uint32_t width = sizes[k % 2][0], height = sizes[k % 2][1];
+    asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(width, height)};
+    memcpy(scene.view.background, colour, sizeof colour);
+    float pixels[MOST][3];
+    render_filtered(&scene, "random", k / 2 % 2 ? 1 : 5, filters[k / 4], 1, &pixels[0][0], NULL);
+    for (size_t i = 0; i < (size_t)width * height; i++)
+      for (int c = 0; c < 3; c++) assert_true(fabs(pixels[i][c] - colour[c]) <= FLT_EPSILON * colour[c]);
+  }
+}
+
+/* A zone plate over the whole picture. */
+static const asc_disc plate = {{25, 20, 0}, {0, 0, 1}, 200, 0};
+
+static asc_scene plate_scene(uint32_t width, uint32_t height) {
+  static asc_material zones;
+  zones = glow(1, 1, 1);
+  zones.pattern = (asc_pattern){ASC_PATTERN_ZONE_PLATE, 0.02, {3.1, 7.7, 0}, {0, 0.1, 0.2}, {1, 0.9, 0.5}};
+  return (asc_scene){.struct_size = sizeof(asc_scene),
+                     .view = flat_view(width, height),
+                     .materials = &zones,
+                     .material_count = 1,
+                     .discs = &plate,
+                     .disc_count = 1};
+}
+
+/* 53 x 41 and its border are no multiple of the tile of 16. Bands of one row of tiles, of two, and all at once. */
+static void filters_give_the_same_bits_for_threads_and_bands(void **state) {
+  (void)state;
+  enum { W = 53, H = 41 };
+  const asc_scene scene = plate_scene(W, H);
+  asc_sampler *sampler = sampler_of("sobol:scramble=owen", 3);
+  tracer *made = NULL;
+  assert_int_equal(tracer_create(&scene, &made, NULL), ASC_OK);
+  for (size_t k = 0; k < FILTERS; k++) {
+    static float one[H][W][3], other[H][W][3];
+    asc_filter *filter = filter_of(filters[k]);
+    for (uint32_t threads = 1; threads <= 5; threads++) {
+      const tracer_desc desc = {sizeof desc, sampler, threads, filter};
+      memset(other, 0xff, sizeof other);
+      assert_int_equal(tracer_render(made, &desc, threads == 1 ? &one[0][0][0] : &other[0][0][0], NULL, NULL), ASC_OK);
+      if (threads > 1) assert_memory_equal(one, other, sizeof one);
+    }
+    for (uint32_t rows = 1; rows <= 2; rows++) {
+      film target;
+      crew_cost cost = {0};
+      assert_int_equal(film_make(&target, filter, W, H, 3), ASC_OK);
+      assert_true(target.rows == target.down);
+      target.rows = rows;
+      memset(other, 0xff, sizeof other);
+      assert_int_equal(filtered_render(made, sampler, &target, 2, &other[0][0][0], &cost), ASC_OK);
+      assert_memory_equal(one, other, sizeof one);
+      film_free(&target);
+    }
+    asc_filter_destroy(filter);
+  }
+  tracer_destroy(made);
+  asc_sampler_destroy(sampler);
+}
+
+static void filters_count_their_borders_and_the_box_has_none(void **state) {
+  (void)state;
+  enum { W = 21, H = 18 };
+  const asc_scene scene = plate_scene(W, H);
+  static float plain[H][W][3], box[H][W][3], other[H][W][3];
+  tracer_cost cost;
+  render_filtered(&scene, "random", 8, NULL, 1, &plain[0][0][0], NULL);
+  render_filtered(&scene, "random", 8, "box", 1, &box[0][0][0], &cost);
+  assert_memory_equal(plain, box, sizeof box);
+  assert_int_equal(cost.samples, 8 * W * H);
+  render_filtered(&scene, "random", 8, "box:radius=0.500001", 1, &other[0][0][0], &cost);
+  assert_int_equal(cost.samples, 8 * (W + 2) * (H + 2));
+  /* No sample is so near a border that it counts twice, so only the order of additions and the float differ. */
+  for (int i = 0; i < W * H * 3; i++) {
+    const float expected = (&box[0][0][0])[i];
+    assert_true(expected > 0.0f && fabs((&other[0][0][0])[i] - expected) <= FLT_EPSILON * expected);
+  }
+  render_filtered(&scene, "random", 8, "mitchell", 1, &other[0][0][0], &cost);
+  assert_int_equal(cost.samples, 8 * (W + 4) * (H + 4));
+  assert_int_equal(cost.primary_rays, cost.samples);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(pixels_are_where_they_should_be),    cmocka_unit_test(threads_do_not_change_a_bit),
-      cmocka_unit_test(discs_and_spheres_have_their_areas), cmocka_unit_test(perspective_keeps_its_angles),
-      cmocka_unit_test(nothing_behind_the_eye_is_seen),     cmocka_unit_test(patterns_are_evaluated_in_double),
-      cmocka_unit_test(shared_edges_do_not_leak),           cmocka_unit_test(broken_scenes_are_refused),
+      cmocka_unit_test(pixels_are_where_they_should_be),
+      cmocka_unit_test(threads_do_not_change_a_bit),
+      cmocka_unit_test(discs_and_spheres_have_their_areas),
+      cmocka_unit_test(perspective_keeps_its_angles),
+      cmocka_unit_test(nothing_behind_the_eye_is_seen),
+      cmocka_unit_test(patterns_are_evaluated_in_double),
+      cmocka_unit_test(shared_edges_do_not_leak),
+      cmocka_unit_test(broken_scenes_are_refused),
       cmocka_unit_test(an_empty_scene_is_background),
+      cmocka_unit_test(filters_keep_a_constant),
+      cmocka_unit_test(filters_give_the_same_bits_for_threads_and_bands),
+      cmocka_unit_test(filters_count_their_borders_and_the_box_has_none),
   };
   return cmocka_run_group_tests_name("tracer", tests, NULL, NULL);
 }

@@ -15,7 +15,7 @@ from povray_scenes import PLAIN, Array, mode, pixel_rays, render, scene_of
 
 from aliascope.errors import JobFailed, SpecError, Unsupported
 from aliascope.geometry import frame_of
-from aliascope.model import LARGEST_AREA
+from aliascope.model import LARGEST_AREA, LoadedMesh
 from aliascope.native import samplers
 from aliascope.renderers import povray
 from aliascope.renderers.base import Request
@@ -147,6 +147,9 @@ def test_a_count_that_the_sampler_cannot_have_is_an_empty_cell() -> None:
 def test_more_frames_than_the_time_limit_allows_are_refused_before_they_start() -> None:
     assert "at most 2606 fit" in (RENDERER.unable(PLAIN, mode("accumulate:n=4096")) or "")
     assert RENDERER.unable(PLAIN, mode("accumulate:n=2048")) is None
+    mesh = LoadedMesh(material="white", sha256="", triangles=np.tile(np.eye(3), (100_000, 1, 1)))
+    large = PLAIN.model_copy(update={"surfaces": (mesh,)})
+    assert "at most 644 fit" in (RENDERER.unable(large, mode("accumulate:n=2048")) or "")  # 0.93 s a frame
     with pytest.raises(Unsupported, match="at most 41 fit"):
         render(PLAIN, "accumulate:n=64", time_limit=10.0)
     assert Request.time_limit > 2606 * FRAME_SECONDS

@@ -165,25 +165,27 @@ def test_inverse_square_falls_off_exactly() -> None:
         np.testing.assert_allclose(rendering.pixels[..., 0], expected, rtol=1e-6, atol=QUANTA / 65535.0)
 
 
-def test_the_shadow_of_what_nearly_touches() -> None:
-    """A disc close over the floor, lit obliquely: its shadow lies under it, or beside it by as much as its height.
-    POV-Ray alone loses shadows of gaps below SHADOW_GAP, so the world is scaled up."""
+def test_a_wall_on_a_floor_leaks_no_light() -> None:
+    """Their line of contact, in pixels of 1/8000: behind the wall, which is lit from its other side, the floor is dark
+    up to it. POV-Ray alone has no shadows nearer than SHADOW_GAP, 8 pixels here."""
     lights: list[dict[str, Any]] = [
-        {"type": "point", "position": (40.0, 3.0, 300.0), "intensity": (0.9,) * 3},
-        {"type": "directional", "direction": (-4.0, -0.3, -30.0), "intensity": (0.9,) * 3},
+        {"type": "point", "position": (3.0, 0.4, 1.1), "intensity": (0.9,) * 3},
+        {"type": "directional", "direction": (-3.0, -0.4, -1.1), "intensity": (0.9,) * 3},
     ]
-    floor = {"type": "polygon", "material": "white", "points": [(-50, -50, 0), (50, -50, 0), (0, 99, 0)]}
-    # The eye looks at the disc's edge: through the gap the floor under it is seen, which is dark.
-    camera = {"type": "orthographic", "eye": (-30.0, 0.3, 0.6), "look_at": (0, 0.3, 0), "up": (0, 0, 1), "height": 0.4}
-    scenes = []
-    for gap in (2e-5, 2e-2):
-        disc = {"type": "disc", "material": "white", "centre": (0.21, 0.13, gap), "radius": 2.3}
-        for light in lights:
-            scene = scene_of([disc, floor], {"white": {"albedo": (1, 1, 1)}}, camera, (48, 32), lights=[light])
-            assert SHADOW_GAP / world_scale(scene) < 1e-5
-            scenes.append(scene)
+    surfaces = [
+        {"type": "polygon", "points": [(-0.5, -0.5, 0), (0.6, -0.5, 0), (0, 0.7, 0)]},
+        {"type": "polygon", "points": [(1.3e-4, -0.3, -0.2), (4e-4, 0.4, -0.2), (2.7e-4, 0.05, 0.3)]},
+    ]
+    camera = {"type": "orthographic", "eye": (-0.5, 0.1, 1), "look_at": (0, 0, 0), "height": 0.004}
+    materials = {"white": {"albedo": (1, 1, 1)}}
+    scenes = [
+        scene_of([{"material": "white"} | each for each in surfaces], materials, camera, (48, 32), lights=[light])
+        for light in lights
+    ]
     for scene, rendering in zip(scenes, render_all(scenes), strict=True):
-        np.testing.assert_allclose(rendering.pixels, evaluate(scene), rtol=0, atol=QUANTA / 65535.0)
+        assert SHADOW_GAP / world_scale(scene) < 2e-7
+        assert evaluate(scene).max() == 0.0
+        assert rendering.pixels.max() == 0.0
 
 
 def test_a_mesh_is_its_triangles_in_double() -> None:

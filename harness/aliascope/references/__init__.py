@@ -1,6 +1,7 @@
 """References: the pictures that renderings are judged by, made without a renderer where the scene allows it.
 
-Another method is one file with a `METHOD` and its line in METHODS. The first that can draw the scene makes it.
+Another method is one file with a `METHOD` and its line in METHODS. The first that can draw the scene makes it. Where
+none can, and for every filter but the box, a reference is converged: `converged`.
 """
 
 from __future__ import annotations
@@ -10,10 +11,11 @@ import numpy as np
 from aliascope.errors import Unsupported
 from aliascope.geometry import frame_of
 from aliascope.model import Scene
-from aliascope.references import checkerboard, discs, polygons, zone_plate
-from aliascope.references.result import Method, Reference
+from aliascope.references import checkerboard, converged, discs, polygons, zone_plate
+from aliascope.references.converged import Plan
+from aliascope.references.result import Ambiguous, Method, Reference
 
-__all__ = ["METHODS", "Method", "Reference", "make"]
+__all__ = ["METHODS", "Ambiguous", "Method", "Plan", "Reference", "make"]
 
 METHODS: tuple[Method, ...] = (
     polygons.METHOD,
@@ -23,11 +25,24 @@ METHODS: tuple[Method, ...] = (
 )
 
 
-def make(scene: Scene, size: tuple[int, int], filter_: str = "box") -> Reference:
-    """The exact picture of a scene: each pixel the mean of the radiance over its square, the box filter.
+def make(scene: Scene, size: tuple[int, int], filter_: str = "box", plan: Plan | None = None) -> Reference:
+    """The picture of a scene, each pixel the mean of the radiance under the filter: over its square, for the box.
 
-    size: (width, height) in pixels. Raises Unsupported, with the reason, where no method has an exact answer.
+    size: (width, height) in pixels; filter_: a canonical spec. Exact where there is a method for it, else converged by
+    the plan. Raises Unsupported, with the reason, where no method has an exact answer and there is no plan, or the
+    tracer does not draw the scene; Ambiguous where no answer is right.
     """
+    try:
+        return _exact(scene, size, filter_)
+    except Ambiguous:
+        raise
+    except Unsupported:
+        if plan is None:
+            raise
+    return converged.make(scene, size, filter_, plan)
+
+
+def _exact(scene: Scene, size: tuple[int, int], filter_: str) -> Reference:
     if filter_ != "box":
         raise Unsupported(f'no exact method has an answer for the filter "{filter_}": they all have the box filter')
     reasons = [(method, method.cannot(scene)) for method in METHODS]

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from aliascope.errors import Unsupported
 from aliascope.geometry import Array, Frame
@@ -24,7 +25,7 @@ from aliascope.references import lattice
 from aliascope.references.canvas import Canvas, Coverage
 from aliascope.references.lattice import Lines, Slope
 from aliascope.references.polygons import coverage, parts_coverage
-from aliascope.references.result import EPSILON, Exact, Method, checked
+from aliascope.references.result import EPSILON, Ambiguous, Exact, Method, checked
 
 MOST_SQUARES = 1_000_000
 LAYER = 1e-9
@@ -66,7 +67,7 @@ def board_of(plane: Plane, pattern: Checker, frame: Frame) -> Board:
     third = int(np.argmax(np.abs(normal)))
     layer = pattern.scale * (plane.point[third] - pattern.origin[third])
     if abs(layer - round(layer)) <= LAYER * max(1.0, abs(layer)):
-        raise Unsupported("the plane lies where the pattern changes along its normal: which colour it has is not certain")
+        raise Ambiguous("the plane lies where the pattern changes along its normal: which colour it has is not certain")
     to_plane = float(plane.point[third] - frame.eye[third])
     # A ray through (x, y): direction = ahead (3 axes, 3 coefficients), the sides of the picture in units of `right`.
     sideways = np.outer(frame.right, [frame.pixel, 0.0, -frame.pixel * frame.width / 2])
@@ -165,10 +166,10 @@ class Sides:
 
     first: Array
     last: Array
-    endless: Array
+    endless: NDArray[np.bool_]
 
 
-def _clip(board: Board, first: Array, last: Array, level: float) -> tuple[Sides, Array, Array]:
+def _clip(board: Board, first: Array, last: Array, level: float) -> tuple[Sides, lattice.Index, Array]:
     """The parts of lines where 0 <= nearness <= level, the numbers of the lines, and -1 where they were turned."""
     begin, end = affine(board.nearness, first), affine(board.nearness, last)
     turned = begin < end  # toward the horizon
@@ -181,7 +182,8 @@ def _clip(board: Board, first: Array, last: Array, level: float) -> tuple[Sides,
     kept = np.nonzero((high > 0.0) & (low < level))[0]
     one, other, enter, leave, step = one[kept], other[kept], enter[kept], leave[kept], step[kept]
     sides = Sides(one + enter * step, np.where(leave < 1.0, one + leave * step, other), low[kept] <= 0.0)
-    return sides, kept, np.where(turned, -1.0, 1.0)[kept]
+    direction: Array = np.where(turned, -1.0, 1.0)[kept]
+    return sides, kept, direction
 
 
 def _side_integrals(board: Board, sides: Sides) -> tuple[Array, Array]:
@@ -199,7 +201,8 @@ def _side_integrals(board: Board, sides: Sides) -> tuple[Array, Array]:
         step[i] = np.array([across, down, 1.0]) * (depth - start[i, 2])
     lines, owner = _doublings(Lines(start, step))
     value, more = lattice.integrals(lines, board.slope)
-    return np.bincount(owner, value, len(start)), error + np.bincount(owner, more, len(start))
+    total: Array = np.bincount(owner, value, len(start)).astype(np.float64)
+    return total, error + np.bincount(owner, more, len(start))
 
 
 def _doublings(lines: Lines) -> tuple[Lines, lattice.Index]:
@@ -249,7 +252,7 @@ def far_part(board: Board, frame: Frame, level: float) -> tuple[Array, Array]:
     columns = np.column_stack([x.ravel(), y.ravel()]).astype(np.float64)
     rim_first, rim_last, rim_pixel = _rim(board, frame, level)
     first = np.concatenate([rows, columns])
-    last = np.concatenate([rows + (1.0, 0.0), columns + (0.0, 1.0)])
+    last = np.concatenate([rows + np.array([1.0, 0.0]), columns + np.array([0.0, 1.0])])
     sides, kept, direction = _clip(board, first, last, level)
     sides = Sides(
         np.concatenate([sides.first, rim_first]),

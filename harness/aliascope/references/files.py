@@ -16,14 +16,19 @@ import numpy as np
 import scipy
 import shapely
 
-from aliascope.errors import CheckFailed, InvalidInput, Unsupported
+from aliascope.errors import CheckFailed, InvalidInput
 from aliascope.geometry import Array
 from aliascope.image import read_header, read_image, write_exr
 from aliascope.model import Scene
 from aliascope.records import Pixels
-from aliascope.references import make
+from aliascope.references import agreement, converged, make
+from aliascope.references.converged import Plan
 from aliascope.references.result import Reference
 
+CHECK = Plan(samples=576, replicates=32, sampler="jittered", first_seed=1 << 41)
+"""How a converged reference is checked: another pattern and other seeds, at an eighth of the cost."""
+PROVENANCE = ("samples_per_pixel", "replicates", "sampler", "seeds", "embree")
+"""What the header of a converged reference has besides."""
 HALF_ULP = 2.0**-24
 """float32 rounds to nearest: within this, relative to the value."""
 SMALLEST = 2.0**-149
@@ -34,10 +39,11 @@ SMALLEST = 2.0**-149
 class Verification:
     """A stored reference against the same, made again.
 
-    It holds when no value differs by more than its tolerance (what float32 rounds there, and both error bounds) and the
-    file is as it was written; otherwise `reason` says what is wrong. `max_difference` is the largest absolute
-    difference, NaN where the file has a NaN. The value that comes nearest to its tolerance, or is beyond it the most,
-    is at pixel `x`, `y` and `channel`, with its `difference` and `tolerance`.
+    An exact one holds when no value differs by more than its tolerance (what float32 rounds there, and both error
+    bounds) and the file is as it was written; a converged one when it agrees with an independent estimate as far as
+    the standard errors of both can tell (`agreement`). Otherwise `reason` says what is wrong. `max_difference` is the
+    largest absolute difference, NaN where the file has a NaN. The value that comes nearest to its tolerance, or is beyond it
+    the most, is at pixel `x`, `y` and `channel`, with its `difference` and `tolerance`.
     """
 
     holds: bool
@@ -57,12 +63,14 @@ def path_of(folder: Path, name: str, size: tuple[int, int], filter_: str) -> Pat
     return folder / name / f"{size[0]}x{size[1]}-{filter_}.exr"
 
 
-def command_for(name: str, scene: Scene, size: tuple[int, int], filter_: str) -> str:
-    """The command that makes a reference."""
+def command_for(name: str, scene: Scene, size: tuple[int, int], filter_: str, samples: str = "") -> str:
+    """The command that makes a reference, `samples` in it where they are not the usual ones."""
     command = f"aliascope reference {name}"
     if size != scene.view.size:
         command += f" --size {size[0]}x{size[1]}"
-    return command if filter_ == "box" else f"{command} --filter {filter_}"
+    if filter_ != "box":
+        command += f" --filter {filter_}"
+    return f"{command} --samples {samples}" if samples not in ("", str(Plan.samples)) else command
 
 
 def save(folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: str, reference: Reference) -> Path:
@@ -75,14 +83,15 @@ def save(folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: 
         "filter": filter_,
         "method": reference.method,
         "error": repr(reference.error),
-        "command": command_for(name, scene, size, filter_),
+        "command": command_for(name, scene, size, filter_, reference.provenance.get("samples_per_pixel", "")),
         "numpy": np.__version__,
         "scipy": scipy.__version__,
         "shapely": f"{shapely.__version__}, GEOS {shapely.geos_version_string}",
         "pixels": _digest(reference.pixels),
+        **reference.provenance,
     }
     if reference.standard_error is not None:
-        spread = reference.standard_error.astype(np.float32)
+        spread = _three_digits(reference.standard_error)
         header["standard_error"] = _digest(spread)
         write_exr(_spread_path(path), spread, header)
     write_exr(path, reference.pixels, header)
@@ -110,19 +119,21 @@ def load(folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: 
         error=error + HALF_ULP * float(np.abs(pixels).max()),
         method=header.get("method", ""),
         standard_error=_read_spread(path, header, pixels, advice),
+        provenance={key: header[key] for key in PROVENANCE if key in header},
     )
 
 
-def verify(folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: str) -> Verification:
-    """Makes an exact reference again and compares. What differs is in the result, never an exception.
+def verify(
+    folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: str, check: Plan = CHECK
+) -> Verification:
+    """Makes a reference again and compares, a converged one by `check`. What differs is in the result, never raised.
 
-    Raises CheckFailed when there is nothing to compare: the file is missing, or of another version of the scene; and
-    Unsupported for a converged reference, which made again would differ.
+    Raises CheckFailed when there is nothing to compare: the file is missing, or of another version of the scene.
     """
     path = path_of(folder, name, size, filter_)
     stored, header = _read(path, name, scene, size, filter_)
     if "standard_error" in header:
-        raise Unsupported(f"{path}: a converged reference can't be made again to compare")
+        return _verify_converged(path, (stored, header), scene, size, filter_, check)
     again = make(scene, size, filter_)
     recorded = _recorded_error(header)
     error = again.error + (recorded if recorded is not None else 0.0)
@@ -151,6 +162,41 @@ def verify(folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_
         channel=channel,
         method=again.method,
         error=again.error,
+    )
+
+
+def _verify_converged(
+    path: Path, file: tuple[Pixels, Mapping[str, str]], scene: Scene, size: tuple[int, int], filter_: str, check: Plan
+) -> Verification:
+    stored, header = file
+    spread = _read_spread(path, header, stored, "make it again")
+    assert spread is not None  # the header says so
+    again = converged.estimate(converged.renderer(scene, size, filter_, check), check)
+    factor = 1.0 if filter_ == "box" else agreement.correlation(again)
+    error = converged.ROUNDING * float(np.abs(again.pictures).max())
+    replicates = header.get("replicates", "")
+    usable = replicates.isdecimal() and int(replicates) >= 2
+    exact = stored.astype(np.float64)
+    found = agreement.agreement(exact, spread, int(replicates) if usable else 2, again, 2 * error, factor)
+    reason = found.reason
+    if not reason and header.get("pixels") != _digest(stored):
+        reason = "the file was changed since it was made, if by no more than its standard errors can tell"
+    elif not reason and not usable:
+        reason = "the file does not state its replicates"
+    elif not reason and _recorded_error(header) is None:
+        reason = "the file does not state its error"
+    row, column, channel = found.place
+    return Verification(
+        holds=not reason,
+        reason=reason,
+        max_difference=float(np.abs(exact - again.mean).max()),
+        difference=found.difference,
+        tolerance=found.tolerance,
+        x=column,
+        y=row,
+        channel=channel,
+        method=header.get("method", ""),
+        error=error,
     )
 
 
@@ -185,6 +231,12 @@ def _read_spread(path: Path, header: Mapping[str, str], pixels: Pixels, advice: 
     if spread.shape != pixels.shape or header["standard_error"] != _digest(spread):
         raise CheckFailed(f"{beside}: the standard error was changed since it was made; {advice}")
     return spread.astype(np.float64)
+
+
+def _three_digits(standard_error: Array) -> Pixels:
+    """Standard errors rounded up to 8 bits, which is more than they are known to and a quarter of the file."""
+    mantissa, exponent = np.frexp(standard_error)
+    return np.ldexp(np.ceil(mantissa * 256.0) / 256.0, exponent).astype(np.float32)
 
 
 def _spread_path(path: Path) -> Path:

@@ -1,27 +1,29 @@
 """A checkerboard's mean toward the horizon, where squares without number fall into a pixel: by its borders alone.
 
-Let s(a) = 1, -1 in turn on the unit intervals, so that a board is s(a) s(b), and g = c / w^3 the picture's area per area
-of the plane, w the depth, which is affine in (a, b). With S_1, S_2, ... the iterated integrals of s without mean,
+Let s(a) = 1, -1 in turn on the unit intervals, so that a board is s(a) s(b), and g = c / w^3 the picture's area per
+area of the plane, w the depth, which is affine in (a, b). With S_1, S_2, ... the iterated integrals of s without mean,
 
     integral of s(a) s(b) g over a region
         = sum over m from 1 to M of (-1)^(m-1)  integral along its border of S_m(a) s(b) (d/da)^(m-1) g db
           + (-1)^M  integral over the region of S_M(a) s(b) (d/da)^M g,
 
-which is Boole's summation in a and Green's theorem. S_m(a) = (-1)^floor(a) E_m(a - floor(a)) / m!, E_m Euler's polynomials
-(Borwein, Calkin and Manna 2009, "Euler-Boole summation revisited"), and |S_m| <= pi^(1-m) / 2. The last integral is below
+which is Boole's summation in a and Green's theorem. S_m(a) = (-1)^floor(a) E_m(a - floor(a)) / m!, E_m Euler's
+polynomials (Borwein, Calkin and Manna 2009, "Euler-Boole summation revisited"), and |S_m| <= pi^(1-m) / 2. The last
+integral is below
 
     pi^(1-M) / 2  (M+2)! / 2  (|dw/da| / w)^M  times the region's area on the picture:                              (1)
 
 beyond a depth of DEEP squares it is nothing after a few terms, and a region that reaches to the horizon is no trouble:
-g vanishes there. What is left are integrals along straight lines, on which a, b and w are affine: between two borders of
-squares they are smooth, and Gauss-Legendre has them to the last digit. Where a line crosses many squares, the same
+g vanishes there. What is left are integrals along straight lines, on which a, b and w are affine: between two borders
+of squares they are smooth, and Gauss-Legendre has them to the last digit. Where a line crosses many squares, the same
 summation along it leaves one value for each row: see `_sum_rows`.
 
 A line that goes on to the horizon is cut at a depth W. With r = da/db, what two rows of squares add to its integral, if
-g were constant, is f(q) = integral over [0, 2] of S_1(r t + q) s(t) dt, where each two rows turn q by r modulo 1 (in
-periods of S_1). The mean of f is 0, |f| <= min(1, |r|), its total variation V <= 4 min(1, |r|). The sum over N such pairs
-is, for a denominator N = q_i of a convergent of r, at most V (the inequality of Denjoy and Koksma: Kuipers and
-Niederreiter 1974, chapter 2, theorem 5.1 and section 3), and so, with Ostrowski's expansion of N,
+g were constant, is f(q) = integral over two units of t of S_1(r t + q) s(t) dt, where each pair of rows turns q by r
+modulo 1 (in periods of S_1). As S_1 has no mean, nor has f, and from s(t + 1) = -s(t) follow |f| <= min(1, |r|) and a
+total variation V <= 4 min(1, |r|). Over N = q_i pairs, q_i a denominator of a convergent of r, f sums to at most V
+(Koksma's inequality for points k r, Denjoy 1932; Kuipers and Niederreiter 1974, chapter 2), and so, with Ostrowski's
+expansion of any N,
 
     D(N) <= min(N max |f|, V sum over i of min(a_(i+1), N / q_i)),   a_i the partial quotients of r.               (2)
 
@@ -30,6 +32,7 @@ Abel's summation with g, which falls like 1/w^3, bounds what is beyond W: see `b
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -149,7 +152,7 @@ def _batches(many: Array) -> Iterator[slice]:
         return
     number = np.floor(np.cumsum(many) / BATCH).astype(np.int64)
     cuts = [0, *(np.nonzero(np.diff(number))[0] + 1).tolist(), len(many)]
-    for first, last in zip(cuts[:-1], cuts[1:], strict=True):
+    for first, last in itertools.pairwise(cuts):
         yield slice(first, last)
 
 
@@ -173,8 +176,7 @@ def _sum_pieces(lines: Lines, slope: Slope, nearest: float) -> Array:
         inverse = 1.0 / (start[:, 2] + t * step[:, 2])
         total += weight * _integrand(fraction, inverse, slope, terms)
     total *= half * step[:, 1] * (1.0 - 2.0 * odd)
-    sums: Array = np.bincount(line, total, len(lines.start))
-    return sums
+    return np.bincount(line, total, len(lines.start)).astype(np.float64)
 
 
 def _integrand(fraction: Array, inverse: Array, slope: Slope, terms: int) -> Array:
@@ -209,7 +211,7 @@ def _pieces(lines: Lines) -> tuple[Index, Array, Array]:
 
 
 def _row_terms(start: Array, step: Array, slope: Slope, enough: float) -> tuple[list[float], float]:
-    """k_2, k_3, ... of `_sum_rows` until what is left out of the line's integral is less than `enough`, and its bound."""
+    """k_2, k_3, ... of `_sum_rows`, until what is left out of a line's integral is below `enough`, and its bound."""
     if 0.0 in (step[0], step[1]):
         return [], math.inf
     ratio, growth = float(step[0] / step[1]), float(step[2] / step[1])
@@ -217,8 +219,8 @@ def _row_terms(start: Array, step: Array, slope: Slope, enough: float) -> tuple[
     found, k, bound = [], 0.0, math.inf
     for m in range(1, MOST_TERMS):
         k = (slope.c * slope.along_a ** (m - 1) * math.factorial(m + 1) / 2 + (m + 1) * growth * k) / ratio
-        # With k_2 to k_m, the integral of r k_(m+1) S_m w^-(m+2) is left, |S_m| <= pi^(1-m) / 2, and the terms of the sum
-        # over m from here on, which are less than twice the first.
+        # With k_2 to k_m, the integral of r k_(m+1) S_m w^-(m+2) is left, |S_m| <= pi^(1-m) / 2, and the terms of the
+        # sum over m from here on, which are less than twice the first.
         left = abs(k * ratio) + 2 * abs(slope.c * slope.along_a**m) * math.factorial(m + 2) / 2 / nearest
         bound = left * 0.5 * math.pi ** (1 - m) * abs(float(step[1])) / nearest ** (m + 2)
         if bound <= enough:
@@ -266,15 +268,15 @@ def _row_ends(b: Array, start: Array, step: Array, terms: list[float]) -> Array:
     total *= inverse**2 * inverse
     cell *= 0.5
     odd = cell - np.floor(cell)
-    total *= 1.0 - 4.0 * odd
-    return total
+    signed: Array = total * (1.0 - 4.0 * odd)
+    return signed
 
 
 # --- lines that go on to the horizon ----------------------------------------------------------------------------------
 
 
 def cut_depth(start_depth: float, across: float, down: float, slope: Slope) -> tuple[float, float]:
-    """Where to cut a line on which a and b grow by `across` and `down` a unit of depth: (W, bound of what is beyond)."""
+    """Where to cut a line on which a, b grow by `across`, `down` a unit of depth: (W, bound of what is beyond)."""
     depth = max(start_depth, DEEP * slope.steepness)
     quotients = convergents(across / down) if down else []
     bound = beyond(depth, across, down, slope, quotients)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,6 +18,10 @@ LARGEST_ERROR = 1e-9
 """An exact method whose error bound, relative to the brightest colour, comes out larger refuses the scene."""
 
 
+class Ambiguous(Unsupported):
+    """A scene whose picture hangs on a rounding: two surfaces at one depth. No reference of it has a meaning."""
+
+
 @dataclass(frozen=True)
 class Exact:
     """Pixels as a method computes them, (height, width, 3) float64 linear RGB, and a bound of their absolute error."""
@@ -30,8 +34,9 @@ class Exact:
 class Reference:
     """The picture that others are judged by.
 
-    `pixels` (height, width, 3) float32 is `exact` rounded, `exact` is float64. No value of `exact` is farther than
-    `error` from the truth. A converged reference has a `standard_error`, of the shape of `pixels`; an exact one None.
+    `pixels` (height, width, 3) float32 is `exact` rounded, `exact` is float64. No value of an exact reference is
+    farther than `error` from the truth. A converged one has a `standard_error`, of the shape of `pixels`, and its
+    `error` is only what rounding adds to that; its `provenance` says how many samples, of which sampler and seeds, made it.
     """
 
     pixels: Pixels
@@ -39,6 +44,20 @@ class Reference:
     error: float
     method: str
     standard_error: Array | None = None
+    provenance: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def standard_error_rms(self) -> float | None:
+        """Over all pixels and channels; None for an exact reference."""
+        return None if self.standard_error is None else float(np.sqrt((self.standard_error**2).mean()))
+
+    @property
+    def uncertainty(self) -> str:
+        """For people: "exact (polygons), error below 1e-12", "converged, standard error 2e-05 (rms), ..."."""
+        if self.standard_error is None:
+            return f"exact ({self.method}), error below {self.error:.2g}"
+        largest = float(self.standard_error.max())
+        return f"{self.method}, standard error {self.standard_error_rms:.2g} (rms), {largest:.2g} at most"
 
 
 @dataclass(frozen=True)

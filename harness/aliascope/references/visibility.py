@@ -16,6 +16,7 @@ import shapely
 
 from aliascope.errors import Unsupported
 from aliascope.references.projection import SLIVER_PX, Circle, Outline
+from aliascope.references.result import Ambiguous
 
 UNDECIDED_PX = 1e-9
 """Two surfaces may touch: where rounding leaves open which is in front, in a strip no wider than this."""
@@ -33,7 +34,7 @@ class Order:
 
 
 def depth_order(outlines: Sequence[Outline]) -> Order:
-    """Raises Unsupported where two surfaces cross on the picture or lie at the same depth."""
+    """Raises Unsupported where two surfaces cross on the picture, Ambiguous where they lie at the same depth."""
     regions = [outline.region for outline in outlines]
     in_front: list[list[int]] = [[] for _ in outlines]
     open_px = 0.0
@@ -97,7 +98,10 @@ def _nearer(a: Outline, b: Outline) -> tuple[bool, float]:
     extent = float(np.hypot(*np.ptp(corners, axis=0)))
     strips = [-lowest / spread * extent, highest / spread * extent] if spread > 0.0 else [math.inf, math.inf]
     if min(strips) > UNDECIDED_PX:
-        certain = float(np.abs(difference).max()) > float(rounding.max())
-        what = "cross each other" if certain else "lie at the same depth"
-        raise Unsupported(f"{a.label} and {b.label} {what} on the picture: which one is seen has no exact answer")
+        what = f"{a.label} and {b.label}"
+        if float(np.abs(difference).max()) > float(rounding.max()):
+            raise Unsupported(f"{what} cross each other on the picture: which one is seen has no exact answer")
+        if a.material == b.material:
+            return a.number < b.number, 0.0  # they look the same: either may be in front
+        raise Ambiguous(f"{what} lie at the same depth on the picture: which one is seen has no answer")
     return strips[0] < strips[1], min(strips)

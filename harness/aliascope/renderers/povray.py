@@ -97,7 +97,7 @@ class PovRay:
 
     def unable(self, scene: Scene, mode: Spec) -> str | None:
         """Why the picture would not be this scene: a count that the mode lacks, light or places beyond its range."""
-        reason = unable_mode(mode) or too_long(mode, Request.time_limit)
+        reason = unable_mode(mode) or too_long(scene, mode, Request.time_limit)
         if reason:
             return reason
         peak = lighting_of(scene).peak
@@ -156,7 +156,7 @@ RENDERER = PovRay()
 def _check(renderer: PovRay, request: Request) -> None:
     """Raises Unsupported for a request that cannot be met."""
     mode, size = request.mode, (request.width, request.height)
-    reason = lacks(renderer, request.scene, mode) or too_long(mode, request.time_limit)
+    reason = lacks(renderer, request.scene, mode) or too_long(request.scene, mode, request.time_limit)
     if reason:
         raise Unsupported(reason)
     if samples_per_pixel(mode) * size[0] * size[1] > LARGEST_AREA:

@@ -9,11 +9,15 @@ import numpy as np
 
 from aliascope.errors import Unsupported
 from aliascope.geometry import Array
+from aliascope.model import LoadedMesh, Scene
 from aliascope.native import samplers
 from aliascope.specs import Form, Key, Spec
 
 FRAME_SECONDS = 0.23
 """Seconds on the wall that a frame takes, however small it is: 120 of them took 27.4."""
+
+TRIANGLE_SECONDS = 7e-6
+"""Seconds that a frame takes for each triangle, to parse it and to bound it: the scene is read again for each frame."""
 
 START_SECONDS = 0.5
 """Seconds on the wall before the first frame."""
@@ -111,16 +115,17 @@ def unable_mode(mode: Spec) -> str | None:
     return None
 
 
-def too_long(mode: Spec, time_limit: float) -> str | None:
-    """Why the frames do not end within so many seconds, or None: what their start alone takes is known."""
+def too_long(scene: Scene, mode: Spec, time_limit: float) -> str | None:
+    """Why the frames do not end within so many seconds, or None: what they take before a pixel is traced is known."""
     count = frame_count(mode)
-    most = int((time_limit - START_SECONDS) / FRAME_SECONDS)
+    triangles = sum(len(surface.triangles) for surface in scene.surfaces if isinstance(surface, LoadedMesh))
+    frame_seconds = FRAME_SECONDS + TRIANGLE_SECONDS * triangles
+    most = int((time_limit - START_SECONDS) / frame_seconds)
     if count == 1 or count <= most:
         return None
-    seconds = START_SECONDS + FRAME_SECONDS * count
     return (
-        f"{mode.text}: {count} frames of POV-Ray take {seconds:.0f} s or more, past the time limit of "
-        f"{time_limit:g} s; at most {max(most, 1)} fit"
+        f"{mode.text}: {count} frames of POV-Ray take {START_SECONDS + frame_seconds * count:.0f} s or more, past the "
+        f"time limit of {time_limit:g} s; at most {max(most, 1)} fit"
     )
 
 

@@ -72,10 +72,11 @@ function exponent(value) {
   return value === 0 ? 0 : Number(value.toExponential(2).split("e")[1]);
 }
 
+const superscript = (number) => [...String(number)].map((c) => (c === "-" ? "\u207b" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)])).join("");
+
 function scientific(value, digits = 3) {
   const [mantissa, power] = value.toExponential(digits - 1).split("e");
-  const raised = [...String(Number(power))].map((c) => (c === "-" ? "\u207b" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)])).join("");
-  return `${minus(mantissa)}\u202f×\u202f10${raised}`;
+  return `${minus(mantissa)}\u202f×\u202f10${superscript(Number(power))}`;
 }
 
 /** Decimals that give `digits` significant digits. */
@@ -135,9 +136,6 @@ function alignPoints(texts) {
 const counted = (n, thing) => `${n} ${thing}${n === 1 ? "" : "s"}`;
 
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
-
-/** The colour that a custom property of the page has now, light or dark. */
-const themeColour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 function announce(text) {
   document.getElementById("live").textContent = text;

@@ -38,11 +38,10 @@ function ticksOf(scale) {
 }
 
 function tickText(value) {
-  const power = Math.round(Math.log10(value));
   if (value >= 0.001 && value < 10000) return String(Number(value.toPrecision(2)));
-  const [mantissa, exponentText] = value.toExponential(0).split("e");
-  const raised = [...String(Number(exponentText))].map((c) => (c === "-" ? "\u207b" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)])).join("");
-  return mantissa === "1" || Math.abs(value - 10 ** power) < 1e-12 * value ? `10${raised}` : `${mantissa}·10${raised}`;
+  const [mantissa, power] = value.toExponential(0).split("e");
+  const ten = `10${superscript(Number(power))}`;
+  return mantissa === "1" ? ten : `${mantissa}·${ten}`;
 }
 
 class Plot {

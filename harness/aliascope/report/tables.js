@@ -15,7 +15,7 @@ function efficiencyPower(rows) {
   return values.length ? clamp(3 * Math.floor(Math.log10(values[values.length >> 1]) / 3), 0, 15) : 0;
 }
 
-const unitText = (power) => (power === 0 ? "1" : `10${power === 3 ? "³" : `${power >= 10 ? "¹" : ""}${"⁰¹²³⁴⁵⁶⁷⁸⁹"[power % 10]}`}`);
+const unitText = (power) => (power === 0 ? "1" : `10${superscript(power)}`);
 
 /** What a column sorts by, where less comes first going up; null goes last either way. */
 function sortValue(row, key, metric) {

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+import os
 from pathlib import Path
 from typing import Any
 
 from aliascope import api, image, metrics, pipeline, plan, references, renderers, scene_io
+from aliascope.native import filters
 from aliascope.references import files
 from aliascope.renderers.base import LEAST_SECONDS
 
@@ -54,37 +57,50 @@ def render_file(
     }
 
 
-def make_reference(scene: str, folder: Path, size: tuple[int, int] | None) -> dict[str, Any]:
-    """Makes and writes one reference."""
+def _processors() -> int:
+    return len(os.sched_getaffinity(0))
+
+
+def make_reference(
+    scene: str, folder: Path, size: tuple[int, int] | None, filter_: str = "box", samples: int | None = None
+) -> dict[str, Any]:
+    """Makes and writes one reference: exact where the scene and the filter allow it, else converged."""
     file = scene_io.load(scene)
-    wanted = size or file.scene.view.size
-    made = references.make(file.scene, wanted)
-    path = files.save(folder, file.name, file.scene, wanted, "box", made)
+    wanted, filter_ = size or file.scene.view.size, filters.canonical(filter_)
+    converged = references.Plan(samples=samples or references.Plan.samples, threads=_processors())
+    made = references.make(file.scene, wanted, filter_, converged)
+    path = files.save(folder, file.name, file.scene, wanted, filter_, made)
     return {
         "scene": file.name,
         "path": str(path),
         "method": made.method,
+        "filter": filter_,
         "error": made.error,
+        "standard_error": made.standard_error_rms,
         "holds": True,
-        "text": f"{path}: {made.method}, error below {made.error:.2g}",
+        "text": f"{path}: {made.uncertainty}",
     }
 
 
-def verify_reference(scene: str, folder: Path, size: tuple[int, int] | None) -> dict[str, Any]:
-    """Makes one reference again and compares it with the file."""
+def verify_reference(
+    scene: str, folder: Path, size: tuple[int, int] | None, filter_: str = "box", samples: int | None = None
+) -> dict[str, Any]:
+    """Makes one reference again and compares it with the file; `samples`: of each replicate, for a converged one."""
     file = scene_io.load(scene)
-    wanted = size or file.scene.view.size
-    found = files.verify(folder, file.name, file.scene, wanted, "box")
+    wanted, filter_ = size or file.scene.view.size, filters.canonical(filter_)
+    check = dataclasses.replace(files.CHECK, samples=samples or files.CHECK.samples, threads=_processors())
+    found = files.verify(folder, file.name, file.scene, wanted, filter_, check)
     verdict = "holds" if found.holds else f"DOES NOT HOLD: {found.reason}"
     return {
         "scene": file.name,
-        "path": str(files.path_of(folder, file.name, wanted, "box")),
+        "path": str(files.path_of(folder, file.name, wanted, filter_)),
         "method": found.method,
+        "filter": filter_,
         "error": found.error,
         "holds": found.holds,
         "reason": found.reason,
         "max_difference": found.max_difference if found.max_difference == found.max_difference else None,
         "tolerance": found.tolerance,
         "text": f"{file.name}: {verdict}; largest difference {found.max_difference:.2g} "
-        f"({found.method}, error below {found.error:.2g})",
+        + (f"({found.method}, error below {found.error:.2g})" if found.method != "converged" else "(converged)"),
     }
