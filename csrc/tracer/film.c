@@ -71,7 +71,7 @@ ASC_VECTORISE
 static void splat(size_t count, uint32_t side, uint32_t taps, film_cell *const *corner, const double *weights,
                   const double (*radiance)[3]) {
   for (size_t k = 0; k < count; k++) {
-    const double *along_x = weights + 2 * taps * k, *along_y = along_x + taps;
+    const double *along_x = weights + (size_t)2 * taps * k, *along_y = along_x + taps;
     const film_cell value = {radiance[k][0], radiance[k][1], radiance[k][2], 1.0};
     for (uint32_t j = 0; j < taps; j++) {
       film_cell *row = corner[k] + (size_t)j * side;
@@ -81,7 +81,7 @@ static void splat(size_t count, uint32_t side, uint32_t taps, film_cell *const *
 }
 
 void film_add(const film *of, size_t count, const film_sample *samples, const double (*radiance)[3]) {
-  double positions[FILM_BATCH * 2 * FILM_TAPS_MOST], weights[FILM_BATCH * 2 * FILM_TAPS_MOST];
+  double positions[FILM_BATCH * 2 * FILM_TAPS_MOST] = {0.0}, weights[FILM_BATCH * 2 * FILM_TAPS_MOST];
   film_cell *corner[FILM_BATCH];
   const size_t taps = of->taps;
   for (size_t k = 0; k < count; k++) {
@@ -109,8 +109,8 @@ void film_write_row(const film *of, uint32_t y, float *pixels) {
     film_cell sum = {0.0};
     for (uint32_t row = y / FILM_TILE; row <= at_y / FILM_TILE; row++) {
       for (uint32_t column = x / FILM_TILE; column <= at_x / FILM_TILE; column++) {
-        const size_t inside = (size_t)(at_y - row * FILM_TILE) * of->side + at_x - column * FILM_TILE;
-        sum += cells_of(of, column, row)[inside];
+        const size_t line = at_y - row * FILM_TILE, place = at_x - column * FILM_TILE;
+        sum += cells_of(of, column, row)[line * of->side + place];
       }
     }
     const uint32_t own_x = x + reach, own_y = y + reach;

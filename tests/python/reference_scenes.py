@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from aliascope import scene_io
 from aliascope.model import Scene
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -21,8 +21,7 @@ Array = NDArray[np.float64]
 
 def stored(name: str) -> Scene:
     """A scene of scenes/."""
-    with (REPOSITORY / "scenes" / f"{name}.toml").open("rb") as file:
-        return Scene.model_validate(tomllib.load(file))
+    return scene_io.load(name).scene
 
 
 def scene(*surfaces: dict[str, object], size: tuple[int, int] = SIZE, **changes: object) -> Scene:
@@ -89,12 +88,13 @@ def radiance(scene: Scene, size: tuple[int, int], places: Array) -> Array:
     result = np.repeat(np.array(scene.view.background)[:, np.newaxis], len(places), axis=1)
     nearest = np.full(len(places), np.inf)
     for surface in scene.surfaces:
+        plane = surface.type == "plane"
         if surface.type == "polygon":
             points = np.array(surface.points)
             normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
             base = points[0]
         else:
-            normal, base = np.array(surface.normal), np.array(surface.centre)
+            normal, base = np.array(surface.normal), np.array(surface.point if plane else surface.centre)
         with np.errstate(divide="ignore", invalid="ignore"):
             time = sum((base[k] - origin[k]) * normal[k] for k in range(3)) / (
                 sum(direction[k] * normal[k] for k in range(3))
@@ -102,6 +102,8 @@ def radiance(scene: Scene, size: tuple[int, int], places: Array) -> Array:
             hit = [origin[k] + time * direction[k] for k in range(3)]
         if surface.type == "polygon":
             inside = _in_polygon(hit, points, int(np.argmax(np.abs(normal))))
+        elif plane:
+            inside = np.ones(len(places), dtype=bool)
         else:
             inside = sum((hit[k] - base[k]) ** 2 for k in range(3)) < surface.radius**2
         seen = inside & (time > 0) & (time < nearest)
@@ -113,8 +115,13 @@ def radiance(scene: Scene, size: tuple[int, int], places: Array) -> Array:
             if material.pattern is None:
                 result[channel, seen] = colour
                 continue
-            phase = material.pattern.scale * sum((hit[k] - material.pattern.origin[k]) ** 2 for k in range(3))
             low, high = (c[channel] for c in material.pattern.colours)
+            if material.pattern.type == "checker":
+                cells = [np.floor(material.pattern.scale * (hit[k] - material.pattern.origin[k])) for k in range(3)]
+                odd = np.broadcast_to(sum(cells) % 2 == 1, seen.shape)
+                result[channel, seen] = (colour * np.where(odd, high, low))[seen]
+                continue
+            phase = material.pattern.scale * sum((hit[k] - material.pattern.origin[k]) ** 2 for k in range(3))
             result[channel, seen] = (colour * (low + (high - low) * (1 + np.cos(phase)) / 2))[seen]
     return result
 

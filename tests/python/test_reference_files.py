@@ -39,7 +39,7 @@ def nudge(by: float) -> Callable[[Pixels], None]:
     return change
 
 
-@pytest.mark.parametrize("name", ["edge", "zone-plate", "discs"])
+@pytest.mark.parametrize("name", ["edge", "zone-plate", "discs", "siemens-star", "checker-horizon"])
 def test_committed_references_hold(name: str) -> None:
     of = stored(name)
     result = files.verify(REPOSITORY / "reference", name, of, of.view.size, "box")
@@ -73,9 +73,7 @@ def test_the_same_reference_is_the_same_file(folder: Path, tmp_path_factory: pyt
     other = tmp_path_factory.mktemp("other")
     again = files.save(other, "square", SCENE, SIZE, "box", make(SCENE, SIZE))
     path = folder / "square" / "12x9-box.exr"
-    # Not its bytes: OpenImageIO adds the time.
-    assert np.array_equal(read_image(again), read_image(path))
-    assert read_header(again) == read_header(path)
+    assert again.read_bytes() == path.read_bytes()
 
 
 def test_a_missing_reference_says_how_to_make_it(folder: Path) -> None:

@@ -40,7 +40,16 @@ def edge_pixels(of: Scene, size: tuple[int, int], many: int) -> list[tuple[int, 
     return [(int(columns[i]) + 1, int(rows[i]) + 1) for i in chosen]
 
 
-@pytest.mark.parametrize(("name", "method"), [("edge", "polygons"), ("discs", "discs"), ("zone-plate", "zone-plate")])
+@pytest.mark.parametrize(
+    ("name", "method"),
+    [
+        ("edge", "polygons"),
+        ("discs", "discs"),
+        ("zone-plate", "zone-plate"),
+        ("siemens-star", "polygons"),
+        ("checker-horizon", "checkerboard"),
+    ],
+)
 def test_scenes_agree_with_a_million_rays(name: str, method: str) -> None:
     of = stored(name)
     reference = make(of, (128, 96))
@@ -158,7 +167,7 @@ BRIGHT = {
 REFUSED = {
     "cross": (scene(box(1, 1, 8, 8, 0.0), polygon([(2, 2, -1), (9, 2, 2), (9, 7, 2), (2, 7, -1)])), "cross each other"),
     "same depth": (scene(box(1, 1, 8, 8), box(4, 4, 9, 9, material="blue")), "same depth"),
-    "discs at the same depth": (scene(disc(4, 4, 2), disc(6, 4, 2)), "same depth"),
+    "discs at the same depth": (scene(disc(4, 4, 2), disc(6, 4, 2, material="red")), "same depth"),
     "disc over an edge": (scene(box(1, 1, 6, 8), disc(6, 4, 2, 1.0)), "cut by another outline"),
     "disc behind an edge": (scene(box(1, 1, 6, 8, 2.0), disc(6, 4, 2, 1.0)), "cut by another outline"),
     "disc over a disc's edge": (scene(disc(5, 4, 2), disc(6, 4, 2, 1.0)), "cut by another outline"),
@@ -169,7 +178,7 @@ REFUSED = {
         scene({"type": "sphere", "material": "red", "centre": [0, 0, 0], "radius": 1}),
         '"polygons" has no answer for sphere; "discs" has no answer for sphere',
     ),
-    "plane": (scene({"type": "plane", "material": "red", "point": [0, 0, 0], "normal": [0, 1, 0]}), "answer for plane"),
+    "plane": (scene({"type": "plane", "material": "red", "point": [0, 0, 0], "normal": [0, 1, 0]}), "the plane has no checkerboard"),
     "mesh": (scene({"type": "mesh", "material": "red", "file": "m.obj"}), "answer for mesh"),
     "light": (
         scene(box(1, 1, 5, 5), lights=[{"type": "point", "position": [0, 0, 9], "intensity": [1, 1, 1]}]),

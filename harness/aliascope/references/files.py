@@ -42,8 +42,8 @@ class Verification:
     An exact one holds when no value differs by more than its tolerance (what float32 rounds there, and both error
     bounds) and the file is as it was written; a converged one when it agrees with an independent estimate as far as
     the standard errors of both can tell (`agreement`). Otherwise `reason` says what is wrong. `max_difference` is the
-    largest absolute difference, NaN where the file has a NaN. The value that comes nearest to its tolerance, or is beyond it
-    the most, is at pixel `x`, `y` and `channel`, with its `difference` and `tolerance`.
+    largest absolute difference, NaN where the file has a NaN. The value that comes nearest to its tolerance, or is
+    beyond it the most, is at pixel `x`, `y` and `channel`, with its `difference` and `tolerance`.
     """
 
     holds: bool

@@ -36,7 +36,8 @@ class Reference:
 
     `pixels` (height, width, 3) float32 is `exact` rounded, `exact` is float64. No value of an exact reference is
     farther than `error` from the truth. A converged one has a `standard_error`, of the shape of `pixels`, and its
-    `error` is only what rounding adds to that; its `provenance` says how many samples, of which sampler and seeds, made it.
+    `error` is only what rounding adds to that; its `provenance` says how many samples, of which sampler and seeds,
+    made it.
     """
 
     pixels: Pixels
