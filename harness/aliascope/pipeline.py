@@ -19,7 +19,7 @@ from aliascope import image, metrics, places, plan, renderers
 from aliascope.errors import AliascopeError, JobFailed, NotAvailable
 from aliascope.native import samplers
 from aliascope.records import EmptyCell, Job, Outcome, Pixels, Rendering
-from aliascope.renderers.base import LEAST_SECONDS, Renderer, Request, lacks
+from aliascope.renderers.base import LEAST_SECONDS, Renderer, Request, filter_of, lacks
 from aliascope.scene_io import SceneFile
 from aliascope.specs import Spec
 from aliascope.store import Store
@@ -27,6 +27,9 @@ from aliascope.store import Store
 GRACE_SECONDS = 20.0
 """How much longer than its own time limit a job may take before its process is ended from outside."""
 
+
+References = Mapping[tuple[str, str], Pixels]
+"""The pictures that others are judged by, by scene and filter."""
 
 Progress = Callable[[Job | None, int, int], None]
 """Told of the job that begins (None at the end), how many are done, and how many there are to do."""
@@ -125,6 +128,11 @@ def _jobs(
             seed=seed,
             versions={**versions, "code": code_digest()},
         )
+
+
+def judged_by(job: Job) -> tuple[str, str]:
+    """Which reference judges a job: its scene's, of the filter that its mode has."""
+    return job.scene, filter_of(renderers.mode_of(renderers.find(job.renderer), job.mode))
 
 
 # --- run --------------------------------------------------------------------------------------------------------------
@@ -227,7 +235,7 @@ def repeat_command(job: Job) -> str:
 class Keeper:
     """Measures what comes back, and keeps picture and figures."""
 
-    def __init__(self, folder: Path, store: Store, references: Mapping[str, Pixels], plan: Plan) -> None:
+    def __init__(self, folder: Path, store: Store, references: References, plan: Plan) -> None:
         self._folder, self._store, self._references, self._plan = folder, store, references, plan
 
     def keep(self, job: Job, result: Callable[[], Timed], submitted: float) -> Outcome:
@@ -235,7 +243,7 @@ class Keeper:
         try:
             timed = result()
             begun = time.perf_counter()
-            measured = metrics.measure(timed.rendering.pixels, self._references[job.scene])
+            measured = metrics.measure(timed.rendering.pixels, self._references[judged_by(job)])
             spent = time.perf_counter() - begun + timed.seconds
             path = image_path(job)
             image.write_exr(
@@ -261,7 +269,7 @@ class Keeper:
     def measured_again(self, outcome: Outcome) -> Outcome:
         """A kept outcome with the metrics that there are now, of the picture that is there."""
         pixels = image.read_image(self._folder / outcome.image)
-        values = metrics.measure(pixels, self._references[outcome.job.scene])
+        values = metrics.measure(pixels, self._references[judged_by(outcome.job)])
         fresh = replace(outcome, metrics={name: value.value for name, value in values.items()})
         self._store.put(fresh)
         return fresh
@@ -271,7 +279,7 @@ def execute(
     plan: Plan,
     folder: Path,
     store: Store,
-    references: Mapping[str, Pixels],
+    references: References,
     options: Options,
     progress: Progress,
 ) -> tuple[dict[str, Outcome], int]:

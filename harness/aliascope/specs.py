@@ -28,6 +28,8 @@ class Key:
     maximum: float = math.inf
     choices: tuple[str, ...] = ()
     inner: Callable[[str], str] | None = None
+    named: bool = False
+    """The inner spec is part of a mode's name for people, also where it is the default."""
     is_count: bool = False
     """Modes that differ in this key alone are one family: a line in a plot of error against cost."""
 
@@ -118,15 +120,16 @@ def parse(text: str, forms: Mapping[str, Form], what: str) -> Spec:
 
 
 def family(spec: Spec) -> str:
-    """The name of a family of modes: the mode without its count, inner specs always named."""
-    keys = [key for key in spec.form.keys if not key.is_count]
-    inner = [spec.word(key.name) for key in keys if key.kind == "spec"]
-    own = [
-        f"{key.name}={_shown(spec.values[key.name])}"
-        for key in keys
-        if key.kind != "spec" and spec.values[key.name] != key.default
-    ]
-    return " ".join([spec.name, *inner, *own])
+    """The name of a family of modes: the mode without its count; specs that are `named` always, others where they are
+    not the default."""
+    words = [spec.name]
+    for key in spec.form.keys:
+        value = spec.values[key.name]
+        if key.named:
+            words.append(str(value))
+        elif not key.is_count and value != key.default:
+            words.append(f"{key.name}={_shown(value)}")
+    return " ".join(words)
 
 
 def label(spec: Spec) -> str:

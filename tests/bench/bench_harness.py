@@ -17,7 +17,7 @@ JOBS = 300
 def main() -> None:
     file = scene_io.load("edge")
     plan = pipeline.make_plan([file], {"embree": ["uniform:n=1"]}, seeds=JOBS)
-    pixels = {"edge": references.make(file.scene, file.scene.view.size).pixels}
+    pixels = {("edge", "box"): references.make(file.scene, file.scene.view.size).pixels}
     with tempfile.TemporaryDirectory() as folder, Store(Path(folder) / "results.sqlite") as store:
         store.begin_run("", "bench", "", {}, {})
         options = pipeline.Options(least_seconds=0.0)

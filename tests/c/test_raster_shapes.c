@@ -220,6 +220,53 @@ static void test_a_plane_cuts_a_sphere(void **state) {
   }
 }
 
+/* Two planes that cross in the picture, both seen in front of and behind the other, and a third behind the eye, whose
+ * depths must not count. */
+static void test_two_planes_cross(void **state) {
+  (void)state;
+  static const double points[3][3] = {{0.3, 0.2, 4.0}, {0.3, 0.2, 4.0}, {0.0, 0.0, 1000.0}};
+  static const double normals[3][3] = {{0.7, 0.1, 1.0}, {-0.5, 0.2, 1.5}, {0.0, 0.0, 1.0}};
+  for (int round = 0; round < 4; ++round) {
+    const asc_projection projection = (asc_projection)(round / 2);
+    stage *s = new_stage(projection);
+    add_material(s, 1.0, 0.0, 0.0);
+    add_material(s, 0.0, 1.0, 0.0);
+    for (int k = 0; k < 3; ++k) {
+      const int i = k == 2 ? 2 : (k + round) % 2; /* in either order: the depths decide */
+      add_plane(s, points[i], normals[i], i == 1);
+    }
+    float pixels[3 * PIXELS];
+    render_once(s, 1, unmoved, pixels);
+    int first = 0;
+    for (int y = 0; y < HEIGHT; ++y) {
+      for (int x = 0; x < WIDTH; ++x) {
+        double eye[3] = {0.0, 0.0, 10.0};
+        double d[3] = {0.0, 0.0, -1.0};
+        double t[2];
+        if (projection == ASC_PERSPECTIVE) {
+          ray_through(x + 0.5, y + 0.5, d);
+        } else {
+          eye[0] = x + 0.5 - 0.5 * WIDTH;
+          eye[1] = 0.5 * HEIGHT - y - 0.5;
+        }
+        for (int i = 0; i < 2; ++i) {
+          double above = 0.0;
+          double slope = 0.0;
+          for (int k = 0; k < 3; ++k) {
+            above += normals[i][k] * (points[i][k] - eye[k]);
+            slope += normals[i][k] * d[k];
+          }
+          t[i] = above / slope > 0.0 ? above / slope : (double)INFINITY;
+        }
+        first += t[0] < t[1];
+        const float *p = pixels + 3 * (y * WIDTH + x);
+        assert_true(p[0] == (t[0] < t[1] ? 1.0F : 0.0F) && p[1] == (t[1] < t[0] ? 1.0F : 0.0F));
+      }
+    }
+    assert_true(first > PIXELS / 4 && first < 3 * PIXELS / 4);
+  }
+}
+
 /* --- depth */
 
 /* Four surfaces that fill the middle of the picture, one of them nearer to the eye by a five-thousandth. */
@@ -294,6 +341,7 @@ int main(void) {
       cmocka_unit_test(test_the_horizon_of_a_plane_is_multisampled),
       cmocka_unit_test(test_planes_that_are_not_in_the_picture),
       cmocka_unit_test(test_a_plane_cuts_a_sphere),
+      cmocka_unit_test(test_two_planes_cross),
       cmocka_unit_test(test_areas_of_discs),
       cmocka_unit_test(test_the_outline_of_a_disc_is_exact),
       cmocka_unit_test(test_the_outline_of_a_sphere_in_perspective_is_exact),

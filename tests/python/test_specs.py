@@ -17,7 +17,7 @@ FORMS = {
             Key("n", "integer", 16, "count", 1, 100, is_count=True),
             Key("threshold", "real", 0.1, "t", 0, 1),
             Key("filter", "choice", "box", "f", choices=("box", "tent")),
-            Key("sampler", "spec", "halton", "s", inner=samplers.canonical),
+            Key("sampler", "spec", "halton", "s", inner=samplers.canonical, named=True),
         ),
     ),
 }
@@ -73,4 +73,4 @@ def test_refusals(text: str, message: str) -> None:
 def test_a_family_leaves_out_the_count_alone() -> None:
     texts = ("grid:n=4", "grid:n=9,threshold=0.1", "grid:sampler=halton")
     assert {family(parse(text, FORMS, "m")) for text in texts} == {"grid halton"}
-    assert family(parse("grid:threshold=0.5,sampler=sobol", FORMS, "m")) == "grid sobol threshold=0.5"
+    assert family(parse("grid:threshold=0.5,sampler=sobol", FORMS, "m")) == "grid threshold=0.5 sobol"

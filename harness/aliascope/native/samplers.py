@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from aliascope.errors import Unsupported
 from aliascope.native.loading import check, error_box, module
 
 
@@ -99,6 +100,15 @@ def weights(spec: str, n: int, dimensions: int = 2) -> NDArray[np.float64]:
 def randomised(spec: str, n: int, dimensions: int = 2) -> bool:
     """Whether this pattern depends on seed and pixel."""
     return Sampler(spec, n, dimensions).randomised
+
+
+def refusal(spec: str, n: int, dimensions: int = 2) -> str | None:
+    """Why a pattern has no n points, or None."""
+    try:
+        Sampler(spec, n, dimensions)
+    except Unsupported as error:
+        return str(error)
+    return None
 
 
 _plugins: dict[str, str] = {}

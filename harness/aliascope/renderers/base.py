@@ -57,6 +57,12 @@ class Renderer(Protocol):
         ...
 
 
+def filter_of(mode: Spec) -> str:
+    """The canonical spec of the filter that a mode reconstructs with, so of the reference that judges it: its key
+    `filter`, or the box where it has none."""
+    return mode.word("filter") if "filter" in mode.values else "box"
+
+
 def lacks(renderer: Renderer, scene: Scene, mode: Spec) -> str | None:
     """The reason for an empty cell: the features of the scene that the renderer does not draw, or the mode's own."""
     missing = sorted(scene.features() - renderer.draws)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from aliascope.model import Scene
 from aliascope.native import filters, samplers, tracer
 from aliascope.records import Cost, Rendering
-from aliascope.renderers.base import Request
+from aliascope.renderers.base import Request, filter_of
 from aliascope.specs import Form, Key, Spec
 
 UNIFORM = Form(
@@ -15,7 +15,7 @@ UNIFORM = Form(
     "the same number of samples in every pixel",
     (
         Key("n", "integer", 16, "samples a pixel", 1, 1 << 24, is_count=True),
-        Key("sampler", "spec", "sobol:scramble=owen", "the pattern of a pixel", inner=samplers.canonical),
+        Key("sampler", "spec", "sobol:scramble=owen", "the pattern of a pixel", inner=samplers.canonical, named=True),
         Key("filter", "spec", "box", "the reconstruction filter", inner=filters.canonical),
     ),
 )
@@ -38,19 +38,15 @@ class Embree:
         return {"embree": tracer.embree_version()}
 
     def unable(self, scene: Scene, mode: Spec) -> str | None:
-        return None
+        return samplers.refusal(mode.word("sampler"), mode.integer("n"))
 
     def seeded(self, mode: Spec) -> bool:
         return samplers.randomised(mode.word("sampler"), mode.integer("n"))
 
-    def filter_of(self, mode: Spec) -> str:
-        """The canonical spec of the filter that this mode reconstructs with: what its reference is filtered with."""
-        return mode.word("filter")
-
     def render(self, request: Request) -> Rendering:
         built = tracer.Tracer(request.scene, (request.width, request.height))
         sampler, count = request.mode.word("sampler"), request.mode.integer("n")
-        settings = (sampler, count, request.seed, request.threads, self.filter_of(request.mode))
+        settings = (sampler, count, request.seed, request.threads, filter_of(request.mode))
         pixels, first = built.render(*settings)
         cpu_seconds, wall_seconds, repeats = first.cpu_seconds, first.wall_seconds, 1
         while cpu_seconds < request.least_seconds:

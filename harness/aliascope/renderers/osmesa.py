@@ -44,7 +44,7 @@ ACCUMULATE = Form(
     "the accumulation buffer: n passes, moved by the first two dimensions of one sampling pattern for all pixels",
     (
         Key("n", "integer", 16, "passes", 1, 65536, is_count=True),
-        Key("sampler", "spec", "halton", "the pattern", inner=samplers.canonical),
+        Key("sampler", "spec", "halton", "the pattern", inner=samplers.canonical, named=True),
     ),
 )
 

@@ -41,7 +41,7 @@ ACCUMULATE = Form(
     f"{FRAME_SECONDS:g} s on the wall, so n is bounded by the time limit too: about 2,600 in 600 s, 510 in 120 s",
     (
         Key("n", "integer", 16, "frames, the samples a pixel", 1, 4096, is_count=True),
-        Key("sampler", "spec", "halton", "the pattern", inner=samplers.canonical),
+        Key("sampler", "spec", "halton", "the pattern", inner=samplers.canonical, named=True),
     ),
 )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -45,17 +46,19 @@ def compare(
     one, NotWritable for the folder.
     """
     begun, started = time.perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
-    sizes = {job.scene: (job.width, job.height) for job in plan.jobs}
-    judged = {name: reference_of(plan, name, size) for name, size in sizes.items()}
+    sizes = {pipeline.judged_by(job): (job.width, job.height) for job in plan.jobs}
+    judged = {key: reference_of(plan, *key, size) for key, size in sizes.items()}
     with Store(folder / "results.sqlite") as store:
         _check_writable(folder)
         store.begin_run(started, command, places.revision(), places.machine(), plan.versions)
-        pixels = {name: reference.pixels for name, reference in judged.items()}
+        pixels = {key: reference.pixels for key, reference in judged.items()}
         try:
             outcomes, reused = pipeline.execute(plan, folder, store, pixels, options, progress)
         except KeyboardInterrupt as error:
             raise Interrupted("interrupted; what was finished is kept, and the same command goes on from it") from error
-    sections = tuple(_section(plan, name, judged[name], outcomes, folder) for name in plan.files if name in judged)
+    # The box first: it is what all three renderers have.
+    order = sorted(judged, key=lambda key: (list(plan.files).index(key[0]), key[1] != "box", key[1]))
+    sections = tuple(_section(plan, key, judged[key], outcomes, folder) for key in order)
     data = ReportData(
         title="aliascope compare",
         started=started,
@@ -83,28 +86,45 @@ def _check_writable(folder: Path) -> None:
         raise NotWritable(f"{folder}: cannot be written: {error.strerror}; choose another folder with -o") from error
 
 
-def reference_of(plan: Plan, name: str, size: tuple[int, int]) -> Reference:
+def reference_of(plan: Plan, name: str, filter_: str, size: tuple[int, int]) -> Reference:
     """The kept reference of a scene of the project at its own size; of any other scene or size, one made now."""
     file = plan.files[name]
     if file.path.parent == places.SCENES and size == file.scene.view.size:
-        return reference_files.load(places.REFERENCES, name, file.scene, size, "box")
-    return references.make(file.scene, size)
+        return reference_files.load(places.REFERENCES, name, file.scene, size, filter_)
+    return references.make(file.scene, size, filter_)
 
 
 def _section(
-    plan: Plan, name: str, reference: Reference, outcomes: Mapping[str, Outcome], folder: Path
+    plan: Plan, key: tuple[str, str], reference: Reference, outcomes: Mapping[str, Outcome], folder: Path
 ) -> SceneSection:
+    """What one reference judged: a scene under one filter."""
+    name, filter_ = key
     scene = plan.files[name].scene
+    order = list(renderers.RENDERERS)
     groups: dict[tuple[str, str], list[Outcome]] = {}
-    for job in sorted(plan.jobs, key=lambda job: (list(renderers.RENDERERS).index(job.renderer), job.seed)):
+    for job in sorted(plan.jobs, key=lambda job: job.seed):
         outcome = outcomes[job.key]
-        if job.scene == name and outcome.status == "done":
+        if pipeline.judged_by(job) == key and outcome.status == "done":
             groups.setdefault((job.renderer, job.mode), []).append(outcome)
     rows = [_row(group, folder) for group in groups.values()]
-    rows.sort(key=lambda row: (list(renderers.RENDERERS).index(row.renderer), row.family, row.samples_per_pixel))
-    note = f"exact ({reference.method}), error below {reference.error:.1g}"
-    empty = tuple(cell for cell in plan.empty if cell.scene == name)
-    return SceneSection(name, scene.title, scene.shows, reference.pixels, note, tuple(rows), empty)
+    rows.sort(key=lambda row: (order.index(row.renderer), row.family, row.samples_per_pixel))
+    box = filter_ == "box"
+    return SceneSection(
+        name=name if box else f"{name}, {filter_}",
+        title=scene.title if box else f"{scene.title}, filtered with {filter_}",
+        shows=scene.shows,
+        reference=reference.pixels,
+        reference_note=_note(reference),
+        rows=tuple(rows),
+        empty=tuple(cell for cell in plan.empty if cell.scene == name) if box else (),
+    )
+
+
+def _note(reference: Reference) -> str:
+    if reference.standard_error is None:
+        return f"exact ({reference.method}), error below {reference.error:.1g}"
+    spread = math.sqrt(float((reference.standard_error**2).mean()))
+    return f"converged ({reference.method}), standard error {spread:.1g} a pixel"
 
 
 def _row(outcomes: Sequence[Outcome], folder: Path) -> ModeRow:
