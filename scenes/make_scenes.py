@@ -28,8 +28,8 @@ height = 2.0
 """
 
 
-def polygon(material: str, points: list[tuple[float, float]]) -> str:
-    corners = ", ".join(f"[{x:.9g}, {y:.9g}, 0.0]" for x, y in points)
+def polygon(material: str, points: list[tuple[float, float]], z: float = 0.0) -> str:
+    corners = ", ".join(f"[{x:.9g}, {y:.9g}, {z:.9g}]" for x, y in points)
     return f'\n[[surfaces]]\ntype = "polygon"\nmaterial = "{material}"\npoints = [{corners}]\n'
 
 
@@ -51,7 +51,8 @@ def siemens_star() -> str:
 
 
 def comb() -> str:
-    """22 slivers, nearly horizontal, from nine tenths of a pixel thick down to one sixteenth; each leans differently."""
+    """22 slivers, nearly horizontal, from nine tenths of a pixel thick down to one sixteenth; each leans
+    differently, and the lower ones lie in front where they cross."""
     text = (
         COMMAND
         + 'title = "Comb"\nshows = "Slivers thinner than a pixel and nearly horizontal: a renderer that samples too '
@@ -68,7 +69,7 @@ def comb() -> str:
         middle = 0.5 * (left + right)
         low = [(x, y + slope * (x - middle)) for x in (left, right)]
         high = [(x, y + slope * (x - middle) + thickness) for x in (right, left)]
-        text += polygon(material, low + high)
+        text += polygon(material, low + high, 0.0131 * k)
     return text
 
 

@@ -11,6 +11,8 @@ from aliascope.errors import InvalidInput, near_misses
 from aliascope.records import Job
 
 COUNTS = (1, 4, 16, 64, 256)
+FILTERS = ("mitchell",)
+"""Filters other than the box that the full profile judges: each has its references in reference/."""
 
 
 def _counts(form: str, counts: Iterable[int] = COUNTS) -> tuple[str, ...]:
@@ -25,22 +27,17 @@ QUICK: Mapping[str, tuple[str, ...]] = {
     "embree": _uniform("random", "regular", "jittered", "halton", "sobol,sampler.scramble=owen"),
     "povray": (
         "none",
-        "am1:depth=2",
-        "am1:depth=3",
-        "am1:depth=5",
-        "am1:depth=9",
-        "am2:depth=2",
-        "am2:depth=3",
-        "am2:depth=4",
-        "am2:depth=5",
-        *_counts("regular:n={n}", (4, 16, 64, 256)),
+        *(f"am1:depth={depth}" for depth in (2, 3, 5, 9)),
+        *(f"am2:depth={depth}" for depth in (2, 3, 4)),
+        *_counts("regular:n={n}", (4, 16, 64)),
     ),
     "osmesa": (
         "none",
         "msaa:n=4",
+        "msaa:n=4,sample-shading=1",
         "msaa:n=8",
-        *_counts("accumulate:n={n},sampler=halton", (4, 16, 64, 256)),
-        *_counts("accumulate:n={n},sampler=regular", (4, 16, 64, 256)),
+        *_counts("accumulate:n={n},sampler=halton", (4, 16, 64)),
+        *_counts("accumulate:n={n},sampler=regular", (4, 16, 64)),
     ),
 }
 
@@ -49,6 +46,7 @@ FULL: Mapping[str, tuple[str, ...]] = {
         *_uniform("random", "regular", "jittered", "halton", "halton,sampler.scramble=shift", counts=(*COUNTS, 1024)),
         *_uniform("sobol", "sobol,sampler.scramble=shift", "sobol,sampler.scramble=digit", counts=(*COUNTS, 1024)),
         *_uniform("sobol,sampler.scramble=owen", counts=(*COUNTS, 1024)),
+        *_uniform(*(f"sobol,sampler.scramble=owen,filter={name}" for name in FILTERS), counts=(16, 64, 256)),
     ),
     "povray": (
         "none",
@@ -60,6 +58,7 @@ FULL: Mapping[str, tuple[str, ...]] = {
             for threshold in (0, 0.03, 0.1, 0.3)
         ),
         *_counts("regular:n={n}", (4, 9, 16, 36, 64, 144, 256)),
+        *_counts("accumulate:n={n},sampler=halton", (4, 16, 64)),
     ),
     "osmesa": (
         "none",
@@ -74,7 +73,7 @@ FULL: Mapping[str, tuple[str, ...]] = {
 }
 
 PROFILES: Mapping[str, Mapping[str, tuple[str, ...]]] = {"quick": QUICK, "full": FULL}
-SEEDS: Mapping[str, int] = {"quick": 4, "full": 16}
+SEEDS: Mapping[str, int] = {"quick": 3, "full": 16}
 """How many pictures, with seeds 0, 1, ..., a randomised mode gets in each profile."""
 
 

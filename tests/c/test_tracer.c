@@ -374,6 +374,32 @@ static void filters_count_their_borders_and_the_box_has_none(void **state) {
   assert_int_equal(cost.primary_rays, cost.samples);
 }
 
+/* Endless light in a corner of a tile: where it is added, with whatever weight, the cell is no number or endless too.
+ */
+static void samples_stay_within_reach(void **state) {
+  (void)state;
+  for (size_t k = 0; k < FILTERS; k++) {
+    asc_filter *filter = filter_of(filters[k]);
+    film target;
+    assert_int_equal(film_make(&target, filter, 40, 40, 1), ASC_OK);
+    for (int place = 0; place < 20; place++) {
+      (void)film_begin(&target, 0, 0);
+      const film_pixel first = film_at(&target, 0, 0, 0, 0), last = film_at(&target, 0, 0, 15, 15);
+      const film_sample sample = {last, 0.05 * place, 0.05 * place};
+      const double light[1][3] = {{INFINITY, INFINITY, INFINITY}};
+      film_add(&target, 1, &sample, light);
+      const int32_t side = (int32_t)target.side, least = side - 2 * target.reach - 1;
+      const film_cell *cells = first.weighted - (ptrdiff_t)target.reach * (side + 1);
+      for (int32_t i = 0; i < side * side; i++)
+        assert_true(isfinite(cells[i][0]) || (i % side >= least && i / side >= least));
+      for (int i = 0; i < 255; i++) assert_true(first.plain[i][0] == 0.0);
+      assert_true(isinf((*last.plain)[0]));
+    }
+    film_free(&target);
+    asc_filter_destroy(filter);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(pixels_are_where_they_should_be),
@@ -387,6 +413,7 @@ int main(void) {
       cmocka_unit_test(an_empty_scene_is_background),
       cmocka_unit_test(filters_keep_a_constant),
       cmocka_unit_test(filters_give_the_same_bits_for_threads_and_bands),
+      cmocka_unit_test(samples_stay_within_reach),
       cmocka_unit_test(filters_count_their_borders_and_the_box_has_none),
   };
   return cmocka_run_group_tests_name("tracer", tests, NULL, NULL);

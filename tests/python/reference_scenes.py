@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from aliascope import scene_io
 from aliascope.model import Scene
+from aliascope.references import Reference, make
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 SIZE = (12, 9)
@@ -22,6 +24,13 @@ Array = NDArray[np.float64]
 def stored(name: str) -> Scene:
     """A scene of scenes/."""
     return scene_io.load(name).scene
+
+
+@functools.cache
+def reference_of(name: str) -> Reference:
+    """The exact reference of a scene of scenes/, at its own size, made once."""
+    of = stored(name)
+    return make(of, of.view.size)
 
 
 def scene(*surfaces: dict[str, object], size: tuple[int, int] = SIZE, **changes: object) -> Scene:

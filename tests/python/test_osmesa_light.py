@@ -125,7 +125,18 @@ def test_without_its_occluders_a_scene_is_brighter() -> None:
         assert ((both < bare).all(axis=2) & ~shown).sum() > 20, name
 
 
-@pytest.mark.parametrize("surface", [TABLE, FLOOR, COIN | {"radius": 9.0}], ids=["polygon", "plane", "disc"])
+@pytest.mark.parametrize(
+    "surface",
+    [
+        TABLE,
+        TABLE | {"points": TABLE["points"][::-1]},
+        FLOOR,
+        FLOOR | {"normal": (0.0, -0.5, 0.0)},
+        COIN | {"radius": 9.0},
+        COIN | {"radius": 9.0, "normal": (-0.3, -1.0, -0.4)},
+    ],
+    ids=["polygon", "polygon turned", "plane", "plane turned", "disc", "disc turned"],
+)
 def test_light_from_behind_gives_nothing(surface: dict[str, Any]) -> None:
     """The lamps lie below the floor, or the disc, which is seen from above."""
     lights = [LAMP | {"position": (0.3, -20.0, 0.2)}, SUN | {"direction": (0.1, 1.0, 0.1)}]

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference_scenes import BACKGROUND, COLOURS, SIZE, box, brute_force, disc, polygon, scene, stored
+from reference_scenes import BACKGROUND, COLOURS, SIZE, box, brute_force, disc, polygon, reference_of, scene, stored
 
 from aliascope.errors import Unsupported
 from aliascope.geometry import frame_of
 from aliascope.model import Scene
-from aliascope.references import METHODS, make
+from aliascope.references import METHODS, Reference, make
 
 RED, GREEN, BLUE = (np.array(COLOURS[name]) for name in ("red", "green", "blue"))
 PERSPECTIVE = {
@@ -23,17 +23,21 @@ PERSPECTIVE = {
 }
 
 
-def against_rays(of: Scene, size: tuple[int, int], pixels: list[tuple[int, int]]) -> None:
-    exact = make(of, size).exact
+def against_rays(
+    of: Scene, size: tuple[int, int], pixels: list[tuple[int, int]], reference: Reference | None = None
+) -> None:
+    exact = (reference or make(of, size)).exact
     for seed, (x, y) in enumerate(pixels):
         mean, standard_error = brute_force(of, size, (x, y), seed)
         # 5 standard errors: about 1 in 2 million for each value. 1e-12: pixels of one colour, which have none.
         assert np.all(np.abs(exact[y, x] - mean) <= 5 * standard_error + 1e-12), (x, y, exact[y, x], mean)
 
 
-def edge_pixels(of: Scene, size: tuple[int, int], many: int) -> list[tuple[int, int]]:
+def edge_pixels(
+    of: Scene, size: tuple[int, int], many: int, reference: Reference | None = None
+) -> list[tuple[int, int]]:
     """Pixels, spread over the picture, that differ from a neighbour on each axis."""
-    exact = make(of, size).exact.sum(axis=2)
+    exact = (reference or make(of, size)).exact.sum(axis=2)
     along, down = np.abs(np.diff(exact, axis=1))[1:], np.abs(np.diff(exact, axis=0))[:, 1:]
     rows, columns = np.nonzero((along > 1e-3) & (down > 1e-3))
     chosen = np.linspace(0, len(rows) - 1, many).astype(int)
@@ -51,15 +55,39 @@ def edge_pixels(of: Scene, size: tuple[int, int], many: int) -> list[tuple[int, 
     ],
 )
 def test_scenes_agree_with_a_million_rays(name: str, method: str) -> None:
-    of = stored(name)
-    reference = make(of, (128, 96))
+    of, reference = stored(name), reference_of(name)
     assert reference.method == method
     assert reference.pixels.dtype == np.float32
     assert reference.pixels.shape == reference.exact.shape == (96, 128, 3)
     assert np.array_equal(reference.pixels, reference.exact.astype(np.float32))
     assert 0.0 < reference.error < 1e-9
     assert reference.standard_error is None
-    against_rays(of, (128, 96), edge_pixels(of, (128, 96), 5))
+    many = 2 if len(of.surfaces) > 30 else 4
+    against_rays(of, (128, 96), edge_pixels(of, (128, 96), many, reference), reference)
+
+
+def test_teeth_that_cross_each_at_a_depth_of_its_own() -> None:
+    """The comb's neighbours cross on the picture: the nearer one is seen, as if cut out of the farther."""
+    of = stored("comb")
+    teeth = [
+        tooth.model_copy(update={"points": tuple((x, y, 0.01 * k) for x, y, _ in tooth.points)})
+        for k, tooth in enumerate(of.surfaces)
+        if tooth.type == "polygon"
+    ]
+    apart = of.model_copy(update={"surfaces": tuple(teeth)})
+    reference = make(apart, (128, 96))
+    assert reference.method == "polygons"
+    assert reference.error < 1e-10
+    against_rays(apart, (128, 96), [(118, 33), (119, 34), (14, 37), (107, 50)], reference)
+
+
+def test_neighbours_of_one_material_may_share_a_plane() -> None:
+    """Which of them is in front does not show: together they are their union."""
+    one, other = box(1.3, 1.2, 6.7, 5.9), box(3.1, 2.7, 9.6, 7.2)
+    exact = make(scene(one, other), SIZE).exact
+    apart = make(scene(one, other | {"points": [[x, y, 1.0] for x, y, _ in other["points"]]}), SIZE).exact
+    assert np.abs(exact - apart).max() < 1e-14
+    assert np.abs(exact - make(scene(other, one), SIZE).exact).max() < 1e-14
 
 
 def test_another_size_is_the_same_scene() -> None:
@@ -178,7 +206,10 @@ REFUSED = {
         scene({"type": "sphere", "material": "red", "centre": [0, 0, 0], "radius": 1}),
         '"polygons" has no answer for sphere; "discs" has no answer for sphere',
     ),
-    "plane": (scene({"type": "plane", "material": "red", "point": [0, 0, 0], "normal": [0, 1, 0]}), "the plane has no checkerboard"),
+    "plane": (
+        scene({"type": "plane", "material": "red", "point": [0, 0, 0], "normal": [0, 1, 0]}),
+        "the plane has no checkerboard",
+    ),
     "mesh": (scene({"type": "mesh", "material": "red", "file": "m.obj"}), "answer for mesh"),
     "light": (
         scene(box(1, 1, 5, 5), lights=[{"type": "point", "position": [0, 0, 9], "intensity": [1, 1, 1]}]),
@@ -220,7 +251,9 @@ def test_other_filters_are_refused() -> None:
 
 def test_methods_have_names_of_their_own() -> None:
     assert len({method.name for method in METHODS}) == len(METHODS)
-    for method in METHODS:
+    of_polygons = [method for method in METHODS if "polygon" in method.features]
+    assert len(of_polygons) == 3
+    for method in of_polygons:
         assert method.cannot(scene(box(1, 1, 5, 5))) is None
         assert np.array_equal(method.make(scene(box(1, 1, 5, 5)), frame_of(scene(), SIZE)).pixels[2, 2], RED)
 

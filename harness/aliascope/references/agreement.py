@@ -1,11 +1,15 @@
 """Whether a converged reference agrees with an independent estimate of the same picture: statistics, no more.
 
-With d the difference of the two and v the sum of their squared standard errors, d / sqrt(v) has Student's distribution,
-nearly, with Welch's degrees of freedom (Welch 1947). Three families share SIGNIFICANCE, each divided by how many tests
-it has (Bonferroni): every value; the mean over every block of 8 x 8 pixels and channel; the mean over the picture of
+With d the difference of the two and v the sum of their variances, the squares of their standard errors, d / sqrt(v) has
+Student's distribution, nearly, with Welch's degrees of freedom (Welch 1947). Three families share SIGNIFICANCE, each
+divided by how many tests it has (Bonferroni): every value; the mean over every block of 8 x 8 pixels and channel; the mean over the picture of
 each channel. Pixels are independent under the box filter; under another they share samples, which makes the variance
 of a block `correlation` times larger. So a sound file is called wrong in less than 1 run in 1000, as far as means of
 many samples are normal.
+
+A detail that fills a thousandth of a pixel can be met by no sample of the check, which then knows of no scatter. The
+stored file does: samples that meet something by chance have a variance that is inverse to their number, and the check
+is granted at least the stored variance times that ratio.
 
 The fourth test is of the standard errors: the mean of d^2 / v over pixels is that of Student's distribution,
 n / (n - 2); more than SLACK above it (and five of its own standard errors) says that they are too small. It finds
@@ -47,25 +51,24 @@ class Agreement:
     """The mean of d^2 / v, over what Student's distribution has: near 1."""
 
 
-def correlation(estimate: Estimate) -> float:
-    """How much more the means over blocks scatter than if pixels were independent, from the replicates: 1 or more."""
-    replicates = len(estimate.pictures)
-    together = _blocks(estimate.pictures).var(axis=0, ddof=1).sum()
-    apart = _blocks(estimate.standard_error**2 * replicates, squared=True).sum()
+def correlation(pictures: Array) -> float:
+    """How much more the means over blocks scatter than if pixels were independent, 1 or more: from replicates,
+    (R, height, width, 3)."""
+    together = _blocks(pictures).var(axis=0, ddof=1).sum()
+    apart = _blocks(pictures.var(axis=0, ddof=1), squared=True).sum()
     return max(1.0, float(together / apart)) if apart > 0.0 else 1.0
 
 
-def agreement(
-    stored: Array, standard_error: Array, replicates: int, again: Estimate, rounding: float, factor: float = 1.0
-) -> Agreement:
-    """Compares a stored reference, (height, width, 3), of `replicates` pictures with another estimate of it.
+def agreement(stored: Estimate, again: Estimate, rounding: float, factor: float = 1.0) -> Agreement:
+    """Compares a stored reference with another estimate of the same.
 
     rounding: what float32 does to a value; factor: the `correlation` of pixels. A NaN never agrees.
     """
-    one, other = standard_error**2, again.standard_error**2
+    one = stored.standard_error**2
+    other = np.maximum(again.standard_error**2, one * (stored.samples / again.samples))
     variance = one + other
-    freedom = _welch(one, other, replicates, len(again.pictures))
-    difference = stored - again.mean
+    freedom = _welch(one, other, stored.replicates, again.replicates)
+    difference = stored.mean - again.mean
     limit = student.isf(SIGNIFICANCE / 3 / 2 / difference.size, freedom) * np.sqrt(variance) + rounding
     share = np.where(np.isnan(difference), np.inf, np.abs(difference) / limit)
     row, column, channel = (int(i) for i in np.unravel_index(int(np.argmax(share)), share.shape))

@@ -67,11 +67,13 @@ class Plan:
 
 @dataclass(frozen=True)
 class Estimate:
-    """Mean and standard error of the mean, (height, width, 3) float64, of pictures (R, height, width, 3)."""
+    """Mean and standard error of the mean, (height, width, 3) float64, of `replicates` pictures, which have `samples`
+    a pixel in all."""
 
-    pictures: Array
     mean: Array
     standard_error: Array
+    replicates: int
+    samples: int
 
 
 def renderer(scene: Scene, size: tuple[int, int], filter_: str, plan: Plan) -> Render:
@@ -83,27 +85,29 @@ def renderer(scene: Scene, size: tuple[int, int], filter_: str, plan: Plan) -> R
     return lambda seed: built.render(plan.sampler, plan.samples, seed, plan.threads, filter_)[0]
 
 
-def estimate(render: Render, plan: Plan) -> Estimate:
-    """The plan's pictures, their mean and its standard error. Sums of squares are of differences from the mean."""
+def estimate(render: Render, plan: Plan) -> tuple[Estimate, Array]:
+    """Mean and standard error of the plan's pictures, and these, (R, height, width, 3) float64.
+
+    Sums of squares are of differences from the mean. Raises Unsupported for values that are not finite.
+    """
     pictures = np.array([render(plan.first_seed + number) for number in range(plan.replicates)], dtype=np.float64)
+    if not np.isfinite(pictures).all():
+        raise Unsupported("the scene is brighter than float32 holds")
     mean = pictures.mean(axis=0)
     # Equal pictures have a mean that rounding moved by an ulp; their difference from the first is exactly 0.
     scatter = np.where((pictures == pictures[0]).all(axis=0), 0.0, pictures.std(axis=0, ddof=1))
     mean = np.where(scatter == 0.0, pictures[0], mean)
-    return Estimate(pictures, mean, scatter / np.sqrt(plan.replicates))
+    samples = plan.samples * plan.replicates
+    return Estimate(mean, scatter / np.sqrt(plan.replicates), plan.replicates, samples), pictures
 
 
 def make(scene: Scene, size: tuple[int, int], filter_: str, plan: Plan) -> Reference:
     """Raises Unsupported where the tracer does not draw the scene, NotAvailable."""
-    found = estimate(renderer(scene, size, filter_, plan), plan)
-    with np.errstate(over="ignore"):
-        pixels = found.mean.astype(np.float32)
-    if not (np.isfinite(pixels).all() and np.isfinite(found.standard_error).all()):
-        raise Unsupported("the scene is brighter than float32 holds")
+    found, pictures = estimate(renderer(scene, size, filter_, plan), plan)
     return Reference(
-        pixels=pixels,
+        pixels=found.mean.astype(np.float32),
         exact=found.mean,
-        error=ROUNDING * float(np.abs(found.pictures).max()),
+        error=ROUNDING * float(np.abs(pictures).max()),
         method="converged",
         standard_error=found.standard_error,
         provenance=plan.provenance(),

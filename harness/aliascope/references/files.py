@@ -22,7 +22,7 @@ from aliascope.image import read_header, read_image, write_exr
 from aliascope.model import Scene
 from aliascope.records import Pixels
 from aliascope.references import agreement, converged, make
-from aliascope.references.converged import Plan
+from aliascope.references.converged import Estimate, Plan
 from aliascope.references.result import Reference
 
 CHECK = Plan(samples=576, replicates=32, sampler="jittered", first_seed=1 << 41)
@@ -171,25 +171,26 @@ def _verify_converged(
     stored, header = file
     spread = _read_spread(path, header, stored, "make it again")
     assert spread is not None  # the header says so
-    again = converged.estimate(converged.renderer(scene, size, filter_, check), check)
-    factor = 1.0 if filter_ == "box" else agreement.correlation(again)
-    error = converged.ROUNDING * float(np.abs(again.pictures).max())
-    replicates = header.get("replicates", "")
-    usable = replicates.isdecimal() and int(replicates) >= 2
-    exact = stored.astype(np.float64)
-    found = agreement.agreement(exact, spread, int(replicates) if usable else 2, again, 2 * error, factor)
+    again, pictures = converged.estimate(converged.renderer(scene, size, filter_, check), check)
+    factor = 1.0 if filter_ == "box" else agreement.correlation(pictures)
+    error = converged.ROUNDING * float(np.abs(pictures).max())
+    counts = [header.get(key, "") for key in ("replicates", "samples_per_pixel")]
+    usable = all(count.isdecimal() for count in counts) and int(counts[0]) >= 2
+    replicates, samples = (int(count) for count in counts) if usable else (2, check.samples)
+    recorded = Estimate(stored.astype(np.float64), spread, replicates, replicates * samples)
+    found = agreement.agreement(recorded, again, 2 * error, factor)
     reason = found.reason
     if not reason and header.get("pixels") != _digest(stored):
         reason = "the file was changed since it was made, if by no more than its standard errors can tell"
     elif not reason and not usable:
-        reason = "the file does not state its replicates"
+        reason = "the file does not state how many samples it has"
     elif not reason and _recorded_error(header) is None:
         reason = "the file does not state its error"
     row, column, channel = found.place
     return Verification(
         holds=not reason,
         reason=reason,
-        max_difference=float(np.abs(exact - again.mean).max()),
+        max_difference=float(np.abs(recorded.mean - again.mean).max()),
         difference=found.difference,
         tolerance=found.tolerance,
         x=column,

@@ -11,6 +11,7 @@ import contextlib
 import hashlib
 import math
 import os
+from collections.abc import Sequence
 from datetime import datetime
 from importlib.resources import files
 from pathlib import Path
@@ -19,10 +20,13 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from aliascope.errors import NotWritable
-from aliascope.records import ReportData
+from aliascope.records import ReportData, SceneSection
 from aliascope.report.document import document, script_json
 from aliascope.report.encode import PictureStore
-from aliascope.report.plots import colours, plot_csv, plot_svg, plots_of
+from aliascope.report.filters import FREQUENCIES, Response, filter_responses, filters_csv, filters_json
+from aliascope.report.plots import Plot, colours, plot_csv, plot_svg, plots_of, spectrum_name
+from aliascope.report.signal_plots import filters_svg, spectrum_svg
+from aliascope.report.spectra import SceneSpectra, spectra_csv, spectra_of
 from aliascope.report.tables import results_csv
 
 SCRIPTS = (
@@ -31,6 +35,8 @@ SCRIPTS = (
     "state.js",
     "pictures.js",
     "plot.js",
+    "spectrum.js",
+    "filters.js",
     "choose.js",
     "tables.js",
     "sheet.js",
@@ -46,20 +52,31 @@ def write_report(folder: Path, data: ReportData) -> Path:
 
     Returns the path of report.html. Raises NotWritable, and InvalidInput where a picture has not its reference's size.
     """
-    text = page(data)
-    renderers = [row.renderer for scene in data.scenes for row in scene.rows]
-    for plot in plots_of(data):
-        _write(folder / "plots" / f"{plot.name}.svg", plot_svg(plot, colours(renderers)))
-        _write(folder / "plots" / f"{plot.name}.csv", plot_csv(plot))
+    spectra, filters = spectra_of(data), filter_responses()
+    text = _page(data, spectra, filters)
+    palette = colours([row.renderer for scene in data.scenes for row in scene.rows])
+    plots = plots_of(data)
+    for plot in plots:
+        _write_figure(folder, plot.name, plot_svg(plot, palette), plot_csv(plot))
+    for plot, scene, found in _of_scenes(plots, data, spectra):
+        svg = spectrum_svg(plot.title, found, scene.rows, palette)
+        _write_figure(folder, spectrum_name(plot.name), svg, spectra_csv(found, scene.rows))
+    if filters:
+        _write_figure(folder, "filters", filters_svg(filters), filters_csv(filters))
     _write(folder / "results.csv", results_csv(data))
     return _write(folder / "report.html", text)
 
 
 def page(data: ReportData) -> str:
     """The text of report.html."""
+    return _page(data, spectra_of(data), filter_responses())
+
+
+def _page(data: ReportData, spectra: Sequence[SceneSpectra], filters: Sequence[Response]) -> str:
     pictures = PictureStore()
-    values = document(data, pictures)
+    values = document(data, pictures, spectra)
     values["colours"] = colours(values["renderers"])
+    values["filters"] = {"frequencies": FREQUENCIES, "responses": filters_json(filters)}
     style = _source("page.css")
     body = "\n".join(_source(name) for name in SCRIPTS)
     script = f'(() => {{\n"use strict";\n{body}\n}})();\n'
@@ -69,7 +86,8 @@ def page(data: ReportData) -> str:
         data=data,
         started=_date(data.started),
         wall=_duration(data.wall_seconds),
-        plots=[(plot.name, plot.title) for plot in plots_of(data)],
+        figures=_figure_names(data, spectra, filters),
+        filters=filters,
         quanta=_quanta(data),
         undrawn=_undrawn(data),
         policy=f"default-src 'none'; script-src '{_digest(script)}'; style-src '{_digest(style)}'",
@@ -80,6 +98,29 @@ def page(data: ReportData) -> str:
     )
 
 
+def _of_scenes(
+    plots: Sequence[Plot], data: ReportData, spectra: Sequence[SceneSpectra]
+) -> list[tuple[Plot, SceneSection, SceneSpectra]]:
+    """The plots of scenes, which come last, with what they are of."""
+    own = plots[len(plots) - len(data.scenes) :]
+    return list(zip(own, data.scenes, spectra, strict=True))
+
+
+def _figure_names(
+    data: ReportData, spectra: Sequence[SceneSpectra], filters: Sequence[Response]
+) -> dict[str, list[tuple[str, str]]]:
+    """(name of the files, title) of the figures beside the page, by what they show."""
+    plots = plots_of(data)
+    found = {
+        "Error against CPU time": [(plot.name, plot.title) for plot in plots],
+        "Spectrum of the error": [
+            (spectrum_name(plot.name), plot.title) for plot, _, _ in _of_scenes(plots, data, spectra)
+        ],
+        "Filters": [("filters", "Frequency responses")] if filters else [],
+    }
+    return {kind: entries for kind, entries in found.items() if entries}
+
+
 def _source(name: str) -> str:
     return files(__name__).joinpath(name).read_text(encoding="utf-8")
 
@@ -87,6 +128,11 @@ def _source(name: str) -> str:
 def _digest(text: str) -> str:
     """What a content security policy knows an inline script or style by: nothing else on the page may run or load."""
     return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
+
+
+def _write_figure(folder: Path, name: str, svg: str, csv: str) -> None:
+    _write(folder / "plots" / f"{name}.svg", svg)
+    _write(folder / "plots" / f"{name}.csv", csv)
 
 
 def _write(path: Path, text: str) -> Path:

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from aliascope.errors import InvalidInput
-from aliascope.records import Estimate, ModeRow, Pixels, ReportData, SceneSection
+from aliascope.records import Estimate, ModeRow, ReportData, SceneSection
 from aliascope.report.encode import PictureStore, error_map, error_scale, worst_pixel
 from aliascope.report.pool import Curve, curve_of, in_common, pool
+from aliascope.report.spectra import SceneSpectra, check_size, spectra_json
 
 Json = Any
 
 
-def document(data: ReportData, pictures: PictureStore) -> dict[str, Json]:
+def document(data: ReportData, pictures: PictureStore, spectra: Sequence[SceneSpectra]) -> dict[str, Json]:
     """The report for the page's scripts; its pictures go to `pictures`. No NaN or Infinity in it: null.
+
+    `spectra` are those of the scenes, in their order.
 
     Raises InvalidInput where a picture and its reference differ in size.
     """
@@ -31,7 +33,7 @@ def document(data: ReportData, pictures: PictureStore) -> dict[str, Json]:
         "metrics": list(dict.fromkeys(m for scene in data.scenes for row in scene.rows for m in row.metrics)),
         "renderers": list(renderers),
         "families": [family.split("\n", 1) for family in families],
-        "scenes": [_scene(scene, data, pictures) for scene in data.scenes],
+        "scenes": [_scene(scene, data, pictures, s) for scene, s in zip(data.scenes, spectra, strict=True)],
         "pooledScenes": [scene.name for scene in common],
         "pooled": [_curve(curve) for curve in pool(common)],
     }
@@ -45,13 +47,9 @@ def script_json(value: Json) -> str:
     return text
 
 
-def _scene(scene: SceneSection, data: ReportData, pictures: PictureStore) -> dict[str, Json]:
+def _scene(scene: SceneSection, data: ReportData, pictures: PictureStore, spectra: SceneSpectra) -> dict[str, Json]:
     for row in scene.rows:
-        if row.pixels.shape != scene.reference.shape:
-            raise InvalidInput(
-                f"{scene.name}: {row.renderer} {row.mode}: the picture is {_size(row.pixels)}, "
-                f"its reference {_size(scene.reference)}"
-            )
+        check_size(row, scene)
     errors = [error_map(row.pixels, scene.reference) for row in scene.rows]
     return {
         "name": scene.name,
@@ -65,12 +63,9 @@ def _scene(scene: SceneSection, data: ReportData, pictures: PictureStore) -> dic
             {**_curve(curve_of(row)), **_picture(row, worst_pixel(error), pictures)}
             for row, error in zip(scene.rows, errors, strict=True)
         ],
+        "spectra": spectra_json(spectra),
         "lacking": _lacking(scene, data),
     }
-
-
-def _size(pixels: Pixels) -> str:
-    return " x ".join(str(side) for side in pixels.shape[1::-1] + pixels.shape[2:])
 
 
 def _picture(row: ModeRow, worst: tuple[int, int], pictures: PictureStore) -> dict[str, Json]:

@@ -4,23 +4,25 @@ Object.assign(state, parseState(location.hash));
 
 const plots = [];
 const tables = [];
+const spectra = [];
 const panels = new Map();
 
 function buildScene(scene, index) {
   const tab = h("button",
     { type: "button", role: "tab", id: `tab-${index}`, "aria-controls": `scene-${index}`, click: () => chooseScene(scene.name) }, scene.name);
-  const viewerPlace = h("div");
+  const [viewerPlace, spectrumPlace] = [h("div"), h("div")];
   const [tableHost, plotHost, sheetHost] = [h("div", { class: "table-host" }), h("div", { class: "figure" }), h("div")];
   const heading = h("header", { class: "scene-head" }, h("h3", {}, scene.title || scene.name),
     h("p", {}, scene.shows, " ", h("span", { class: "soft" }, `${scene.width} × ${scene.height} pixels.`)));
   const node = h("section", { class: "scene", role: "tabpanel", id: `scene-${index}`, "aria-labelledby": `tab-${index}` }, heading);
   const panel = { scene, tab, node, viewerPlace, sheet: null, table: null };
   if (scene.rows.length) {
-    node.append(viewerPlace, h("div", { class: "figures" }, tableHost, h("div", { class: "side-figure" }, plotHost)));
+    node.append(viewerPlace, spectrumPlace, h("div", { class: "figures" }, tableHost, h("div", { class: "side-figure" }, plotHost)));
     panel.table = new ModeTable(tableHost, scene.rows, `Modes on ${scene.name}`, true);
     tables.push(panel.table);
     tableHost.append(lackingList(scene) ?? "");
     plots.push(new Plot(plotHost, scene.rows, scene.name));
+    spectra.push(new Spectrum(spectrumPlace, scene));
     panel.sheet = new Sheet(sheetHost, scene);
     node.append(sheetHost);
   } else {
@@ -77,6 +79,7 @@ function update(changed, viewer) {
     plots.forEach((plot) => plot.mark());
     tables.forEach((table) => table.mark());
     panels.forEach(({ sheet }) => sheet?.mark());
+    spectra.forEach((spectrum) => spectrum.mark());
   }
   if (["scene", "exposure", "scale"].some((key) => changed.has(key))) drawSheets();
 }
@@ -125,7 +128,7 @@ function copyButtons() {
 function leftOut() {
   const names = documentData.scenes.map(({ name }) => name).filter((name) => !documentData.pooledScenes.includes(name));
   if (!names.length) return [];
-  return [h("p", { class: "note" }, `Over the scenes that every renderer drew: without ${names.join(", ")}.`)];
+  return [h("p", { class: "note" }, `Over the scenes that every renderer drew, and in the same modes: without ${names.join("; ")}.`)];
 }
 
 function start() {
@@ -141,6 +144,9 @@ function start() {
   legend(document.getElementById("legend"), plots);
   tables.push(new ModeTable(document.getElementById("pooled"), documentData.pooled, `Modes over ${scopeName}`, false));
   plots.forEach((plot) => plot.draw());
+  spectra.forEach((spectrum) => spectrum.draw());
+  const filters = document.getElementById("filter-panels");
+  if (filters) new Filters(filters, documentData.filters);
   const viewer = new Viewer();
   onChange((changed) => update(changed, viewer));
   showScene(viewer);

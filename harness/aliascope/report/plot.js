@@ -303,7 +303,7 @@ class Plot {
         line("CPU seconds", `${figure(row.cpu[0])} ${uncertainty(...row.cpu)}`),
         line("samples a pixel", figure(row.spp)),
         line("efficiency", figure(efficiencyOf(row)[0])),
-        line("lacks", row.missing.join(", "))),
+        line("lacks", row.missing.join("; "))),
       h("p", { class: "hint" }, "click: A · shift-click: B"),
     );
     const unit = this.svg.getBoundingClientRect().width / this.width;

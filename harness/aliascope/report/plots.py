@@ -6,7 +6,7 @@ import csv
 import io
 import re
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,22 +55,30 @@ def colours(renderers: Sequence[str]) -> dict[str, str]:
 
 
 def plots_of(data: ReportData) -> list[Plot]:
-    """All scenes together, then each: their files' names are made of letters, digits and "-" and are all different."""
+    """All scenes together, then each: their files' names are made of letters, digits and "-" and are all different.
+
+    A scene NAME has NAME-spectrum too, see `spectrum_name`; "filters" is no scene's.
+    """
     plots: list[Plot] = []
-    taken: set[str] = set()
+    taken = {"filters"}
     if len(data.scenes) > 1:
         taken.add("all-scenes")
         common = in_common(data.scenes)
-        title = f"{len(common)} of {len(data.scenes)} scenes, which every renderer drew"
+        title = f"{len(common)} of {len(data.scenes)} scenes, which every renderer drew in the same modes"
         if common == data.scenes:
             title = f"All {len(common)} scenes"
         plots.append(Plot("all-scenes", title, pool(common)))
     for scene in data.scenes:
         stem = re.sub(r"[^a-z0-9]+", "-", scene.name.lower()).strip("-")[:60] or "scene"
-        name = next(n for n in _numbered(stem) if n not in taken)
-        taken.add(name)
+        name = next(n for n in _numbered(stem) if not {n, spectrum_name(n)} & taken)
+        taken |= {name, spectrum_name(name)}
         plots.append(Plot(name, scene.title or scene.name, tuple(curve_of(row) for row in scene.rows)))
     return plots
+
+
+def spectrum_name(name: str) -> str:
+    """The name of the files of a scene's spectra, from that of its plot."""
+    return f"{name}-spectrum"
 
 
 def _numbered(stem: str) -> Iterator[str]:
@@ -91,25 +99,34 @@ def plot_csv(plot: Plot) -> str:
         writer.writerow(
             [curve.renderer, curve.mode, curve.label, curve.family, number(curve.samples_per_pixel)]
             + [number(figure) for figure in [*figures, efficiency(curve)]]
-            + [int(id(curve) in front), " ".join(curve.missing)]
+            + [int(id(curve) in front), "; ".join(curve.missing)]
         )
     return out.getvalue()
 
 
 def plot_svg(plot: Plot, palette: Mapping[str, str]) -> str:
     """The plot as SVG, 6.4 by 4.2 inches, log-log; points without a positive RMSE and time are in the CSV alone."""
-    with rc_context(_STYLE), warnings.catch_warnings():
-        # A name in a script that matplotlib's font lacks is drawn as boxes; the CSV has it.
-        warnings.filterwarnings("ignore", message="Glyph")
-        figure = Figure(figsize=(6.4, 4.2), layout="constrained")
+    shown = _shown(plot.curves)
+
+    def draw(figure: Figure) -> None:
         axes = figure.add_subplot()
-        shown = _shown(plot.curves)
         _draw(axes, shown, palette)
         axes.set_title(plot.title, loc="left", fontsize=9, fontweight="bold")
         axes.set_xlabel("CPU seconds a picture")
         axes.set_ylabel("RMSE against the reference")
         if shown:
             figure.legend(loc="outside right upper", fontsize=6.5)
+
+    return svg_of(draw, (6.4, 4.2))
+
+
+def svg_of(draw: Callable[[Figure], None], inches: tuple[float, float]) -> str:
+    """What is drawn into a figure, as SVG in the style of all of them; the same drawing gives the same text."""
+    with rc_context(_STYLE), warnings.catch_warnings():
+        # A name in a script that matplotlib's font lacks is drawn as boxes; the CSV has it.
+        warnings.filterwarnings("ignore", message="Glyph")
+        figure = Figure(figsize=inches, layout="constrained")
+        draw(figure)
         out = io.StringIO()
         FigureCanvasSVG(figure).print_svg(out, metadata={"Date": None, "Creator": "aliascope"})
     return out.getvalue()
@@ -136,7 +153,7 @@ def _draw(axes: Axes, shown: Sequence[Curve], palette: Mapping[str, str]) -> Non
     axes.set_xscale("log")
     axes.set_yscale("log")
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(_power_of_ten)
+        axis.set_major_formatter(power_of_ten)
         axis.set_minor_formatter(lambda value, position: "")
     axes.grid(which="major", linewidth=0.3, color="#dddddd")
     front = [_coordinates(curve) or (0.0, 0.0) for curve in _front(shown)]
@@ -173,5 +190,6 @@ def _label(line: Line2D, text: str) -> None:
     line.set_label(text if not text.startswith("_") else f" {text}")
 
 
-def _power_of_ten(value: float, position: float) -> str:
+def power_of_ten(value: float, position: float) -> str:
+    """The text of a tick of a logarithmic axis."""
     return f"{value:.0e}" if value < 1e-4 or value >= 1e5 else f"{value:g}"

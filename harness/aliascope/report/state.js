@@ -97,12 +97,17 @@ function writeFragment() {
 
 const onChange = (listen) => listeners.push(listen);
 
+/** What A and B are in a scene, or would be: those of now, where it has them. */
+function pairIn(scene) {
+  const [a, b] = defaultPair(scene);
+  const kept = (now, otherwise) => (rowOf(scene, now) !== undefined ? now : otherwise);
+  return { a: kept(state.a, a), b: kept(state.b, b) };
+}
+
 function chooseScene(name) {
   if (name === state.scene) return;
   const scene = sceneByName.get(name);
-  const [a, b] = defaultPair(scene);
-  const kept = (now, otherwise) => (rowOf(scene, now) !== undefined ? now : otherwise);
-  const next = { a: kept(state.a, a), b: kept(state.b, b) };
+  const next = pairIn(scene);
   const [x, y] = (rowOf(scene, next.a) ?? rowOf(scene, next.b))?.worst ?? [0, 0];
   change({ scene: name, ...next, x, y, cx: null, cy: null, zoom: null, scale: null });
 }

@@ -113,7 +113,7 @@ class ModeTable {
     const number = (key, bold) => h("td", { class: bold ? "number best" : "number" }, cells[key][i]);
     const remarks = [
       row.notFinite ? h("span", { class: "bad" }, ` ${counted(row.notFinite, "pixel")} not finite`) : null,
-      row.missing.length ? h("span", { class: "soft" }, ` lacks ${row.missing.join(", ")}`) : null,
+      row.missing.length ? h("span", { class: "soft" }, ` lacks ${row.missing.join("; ")}`) : null,
     ];
     const slots = ["a", "b"].map((slot) =>
       h("button", {
