@@ -58,7 +58,8 @@ def comb() -> str:
         + 'title = "Comb"\nshows = "Slivers thinner than a pixel and nearly horizontal: a renderer that samples too '
         + 'little breaks them into dashes, or loses them."\n'
         + FLAT.format(background="0.0291, 0.0317, 0.0373")
-        + "\n[materials.tooth]\nemission = [0.8919, 0.9347, 0.7813]\n\n[materials.rust]\nemission = [0.9571, 0.4129, 0.1931]\n"
+        + "\n[materials.tooth]\nemission = [0.8919, 0.9347, 0.7813]\n"
+        + "\n[materials.rust]\nemission = [0.9571, 0.4129, 0.1931]\n"
     )
     for k in range(22):
         thickness = PIXEL * 0.9 * (1 / 14.4) ** (k / 21)

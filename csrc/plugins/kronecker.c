@@ -4,9 +4,9 @@
  *     aliascope --plugin ./kronecker.so points kronecker -n 16
  *     aliascope compare --plugin ./kronecker.so
  *
- * The pattern: Kronecker's sequence, (frac(shift + i sqrt 2), frac(shift + i sqrt 3), frac(shift + i sqrt 5), ...), which
- * Weyl (1916) showed to be uniformly distributed and Richtmyer (1951) used for integrals. Its one parameter is the shift
- * of all coordinates. */
+ * The pattern: Kronecker's sequence, (frac(shift + i sqrt 2), frac(shift + i sqrt 3), frac(shift + i sqrt 5), ...),
+ * which Weyl (1916) showed to be uniformly distributed and Richtmyer (1951) used for integrals. Its one parameter is
+ * the shift of all coordinates. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

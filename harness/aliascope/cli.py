@@ -320,7 +320,9 @@ def compare(
 
     command = shlex.join(["aliascope", *sys.argv[1:]])
     with progress_bar() as progress:
-        result = study.compare(plan, out, Options(processes, time_limit), command, progress)
+        result = study.compare(
+            plan, out, Options(processes, time_limit), command, progress, lambda text: typer.echo(text, err=True)
+        )
     summary = study.summary(result, plan)
     if as_json:
         _print_json(summary)

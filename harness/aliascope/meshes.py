@@ -52,7 +52,7 @@ def _parse(data: bytes, path: Path) -> Array:
     try:
         mesh = trimesh.load_mesh(BytesIO(data), file_type=path.suffix[1:].lower(), process=False, skip_materials=True)
         return np.array(mesh.triangles, dtype=np.float64)
-    except Exception as error:  # noqa: BLE001  # what a parser raises on a broken file is anything
+    except Exception as error:  # what a parser raises on a broken file is anything
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise InvalidInput(f'"{path.name}": is broken or empty: {reason}') from error
 

@@ -265,7 +265,6 @@ class Keeper:
         self._store.put(outcome)
         return outcome
 
-
     def measured_again(self, outcome: Outcome) -> Outcome:
         """A kept outcome with the metrics that there are now, of the picture that is there."""
         pixels = image.read_image(self._folder / outcome.image)

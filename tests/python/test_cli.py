@@ -17,12 +17,13 @@ import fake_povray
 import numpy as np
 import pytest
 
-from aliascope import places
+from aliascope import places, plan
 from aliascope.image import read_header, read_image, write_exr
 
 COMMAND = [sys.executable, "-W", "error", "-m", "aliascope.cli"]
 QUICK = ("-m", "uniform:n=1", "-m", "none", "-m", "msaa:n=4")
-"""One cheap mode of each renderer."""
+"""One cheap mode of each renderer: of the tracer a picture a seed, "none" of POV-Ray and OSMesa, and "msaa"."""
+SEEDS = plan.SEEDS["quick"]
 
 
 def run(*arguments: str | Path, code: int = 0, **options: Any) -> subprocess.CompletedProcess[str]:
@@ -188,8 +189,8 @@ def compare(folder: Path, *arguments: str, code: int = 0, **options: Any) -> dic
 
 def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
     first = compare(tmp_path, "edge", "discs", *QUICK)
-    # Two scenes: four seeds of the tracer, one picture of each of the others, whose "none" two of them have.
-    assert (first["rendered"], first["reused"], first["failed"]) == (2 * (4 + 1 + 2), 0, 0)
+    pictures = 2 * (SEEDS + 3)
+    assert (first["rendered"], first["reused"], first["failed"]) == (pictures, 0, 0)
     assert {(row["renderer"], row["mode"]) for row in first["rows"]} == {
         ("embree", "uniform:n=1"),
         ("povray", "none"),
@@ -198,7 +199,7 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
     }
     assert all(row["metrics"]["rmse"] > 0 for row in first["rows"])
     second = compare(tmp_path, "edge", "discs", *QUICK, "--resume")
-    assert (second["rendered"], second["reused"]) == (0, 14)
+    assert (second["rendered"], second["reused"]) == (0, pictures)
     assert second["rows"] == first["rows"]
 
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
@@ -235,7 +236,7 @@ def test_dry_run_and_choices(tmp_path: Path) -> None:
 
     assert {job["scene"] for job in jobs("e*", "-r", "osmesa")} == {"edge"}
     assert {job["renderer"] for job in jobs("-r", "osmesa")} == {"osmesa"}
-    assert {job["mode"] for job in jobs("edge", "-m", "am2*")} == {f"am2:depth={d}" for d in (2, 4, 5)} | {"am2"}
+    assert {job["mode"] for job in jobs("edge", "-m", "am2*")} == {f"am2:depth={d}" for d in (2, 4)} | {"am2"}
     assert len(jobs("edge", "-m", "regular:n=9")) == 1
     assert not (tmp_path / "results.sqlite").exists()
     for wrong, words in (
@@ -252,7 +253,7 @@ def test_a_renderer_that_is_absent_is_skipped_and_said_or_demanded(tmp_path: Pat
     nowhere = environment(tmp_path / "empty", alone=True)
     document = compare(tmp_path / "out", "edge", *QUICK, env=nowhere)
     assert "povray" in document["skipped"]
-    assert document["rendered"] == 6
+    assert document["rendered"] == SEEDS + 2
     text = run("compare", "edge", *QUICK, "-o", tmp_path / "out", env=nowhere).stdout
     assert "skipped povray: " in text
     assert "not installed" in complaint("compare", "edge", "-r", "povray", "-o", tmp_path / "o", code=3, env=nowhere)
@@ -274,12 +275,12 @@ def test_a_job_that_fails_stops_no_other(tmp_path: Path, trouble: str) -> None:
     version = 'case "$*" in *version*) echo "POV-Ray 3.7.0.10" >&2; exit 0;; esac; '
     path = environment(fake_povray.install(tmp_path / "bin", version + body))
     document = compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)
-    assert (document["pictures"], document["failed"]) == (6, 1)
+    assert (document["pictures"], document["failed"]) == (SEEDS + 2, 1)
     assert words in document["failures"][0]["message"]
     assert document["failures"][0]["command"].startswith("aliascope render edge -r povray -m none")
     assert words in (tmp_path / "out" / "report.html").read_text()
     # What failed is tried again, and only that.
-    assert compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)["reused"] == 6
+    assert compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)["reused"] == SEEDS + 2
 
 
 def test_folders_that_cannot_be_written(tmp_path: Path) -> None:
@@ -313,22 +314,46 @@ def test_an_interrupted_compare_keeps_what_it_has_and_goes_on(tmp_path: Path) ->
     assert errors.startswith("aliascope: interrupted")
     document = compare(tmp_path, "edge", "-r", "embree", "--resume")
     assert document["reused"] >= 5
-    assert document["rendered"] == 70 - document["reused"]
+    assert document["rendered"] == 15 * SEEDS + 10 - document["reused"]  # 15 modes have seeds, 10 have none
 
 
-def test_a_users_scene_gets_its_reference_made(tmp_path: Path) -> None:
+def test_a_users_scene_gets_its_reference_made_once(tmp_path: Path) -> None:
     scene = tmp_path / "mine.toml"
-    scene.write_text((places.SCENES / "edge.toml").read_text().replace("0.9412", "0.5"))
-    document = compare(tmp_path / "out", str(scene), "-m", "uniform:n=4", "--size", "40x30")
-    assert document["rows"][0]["scene"] == "mine"
-    assert document["failed"] == 0
+    text = (places.SCENES / "edge.toml").read_text()
+    scene.write_text(text.replace("0.9412", "0.5"))
+    arguments = ("compare", scene, "-m", "uniform:n=4", "--size", "40x30", "-o", tmp_path / "out", "--json")
+    first = run(*arguments)
+    assert first.stderr == "making the reference of mine, 40 x 30 pixels, filter box\n"
+    assert json.loads(first.stdout)["rows"][0]["scene"] == "mine"
+    assert run(*arguments).stderr == ""
+    scene.write_text(text.replace("0.9412", "0.6"))
+    assert "was made for another version of the scene" in run(*arguments).stderr
 
 
-def test_without_references_a_compare_fails(tmp_path: Path) -> None:
-    scene = tmp_path / "both.toml"
+def test_each_filter_is_judged_by_its_own_reference(tmp_path: Path) -> None:
+    scene = tmp_path / "mine.toml"
+    scene.write_text((places.SCENES / "discs.toml").read_text())
+    modes = [f"uniform:n=256,filter={name}" for name in ("box", "mitchell")]
+    document = compare(
+        tmp_path / "out", str(scene), *(word for mode in modes for word in ("-m", mode)), "--size", "24x18"
+    )
+    rmse = {row["scene"]: row["metrics"]["rmse"] for row in document["rows"]}
+    assert set(rmse) == {"mine", "mine, mitchell"}
+    # Judged by the other's reference, either would be 0.02 off or more.
+    assert max(rmse.values()) < 0.004
+
+
+def test_a_scene_that_nothing_draws(tmp_path: Path) -> None:
+    scene = tmp_path / "lit.toml"
     text = (places.SCENES / "discs.toml").read_text()
-    scene.write_text(text.replace('type = "disc"', 'type = "sphere"'))
-    assert "no exact reference" in complaint("compare", scene, "-m", "uniform", "-o", tmp_path / "out", code=2)
+    scene.write_text(text + '\n[[lights]]\ntype = "sphere"\ncentre = [0, 0, 1]\nradius = 1.0\nintensity = [1, 1, 1]\n')
+    message = complaint("compare", scene, "-o", tmp_path / "out", code=2)
+    assert "no mode draws it: Embree here does not draw: sphere light" in message
+
+
+def test_a_missing_reference_of_ours_is_said_and_never_made(tmp_path: Path) -> None:
+    message = complaint("compare", "edge", "-m", "uniform:n=4,filter=tent", "-o", tmp_path / "out", code=1)
+    assert "make it with: aliascope reference edge --filter tent" in message
 
 
 # --- doctor -----------------------------------------------------------------------------------------------------------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -109,7 +108,7 @@ def test_a_path_stays_in_the_scenes_folder(tmp_path: Path) -> None:
     written(tmp_path / "outside.ply", TRIANGLES)
     folder = tmp_path / "inside"
     folder.mkdir()
-    os.symlink(tmp_path / "outside.ply", folder / "link.ply")
+    (folder / "link.ply").symlink_to(tmp_path / "outside.ply")
     for name in ("../outside.ply", str(tmp_path / "outside.ply"), "link.ply", "sub/../../outside.ply"):
         assert "leads out of the scene's folder" in complaint(folder, name)
 

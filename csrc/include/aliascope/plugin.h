@@ -52,7 +52,8 @@ typedef struct asc_sampler_interface {
 #define ASC_PLUGIN_EXPORT
 #endif
 
-/* The one function that a plugin exports, with ASC_PLUGIN_EXPORT: `const void *asc_plugin_interface(uint32_t abi_version, const char *id)`. */
+/* The one function that a plugin exports, with ASC_PLUGIN_EXPORT: `const void *asc_plugin_interface(uint32_t
+ * abi_version, const char *id)`. */
 typedef const void *(*asc_plugin_interface_function)(uint32_t abi_version, const char *id);
 
 /* Loads a plugin and registers its sampler. ASC_PLUGIN where the file, its function, its ABI version or its table is

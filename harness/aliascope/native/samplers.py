@@ -156,5 +156,7 @@ def registered() -> list[SamplerInfo]:
             entry = info.parameters[number]
             values = text(entry.choices) if entry.choices else f"{entry.minimum:g}..{entry.maximum:g}"
             parameters.append(f"{text(entry.name)}={values}: {text(entry.text)}")
-        found.append(SamplerInfo(text(info.name), text(info.title), text(info.source), tuple(parameters), bool(info.plugged_in)))
+        found.append(
+            SamplerInfo(text(info.name), text(info.title), text(info.source), tuple(parameters), bool(info.plugged_in))
+        )
     return found

@@ -1,11 +1,11 @@
 """Whether a converged reference agrees with an independent estimate of the same picture: statistics, no more.
 
-With d the difference of the two and v the sum of their variances, the squares of their standard errors, d / sqrt(v) has
-Student's distribution, nearly, with Welch's degrees of freedom (Welch 1947). Three families share SIGNIFICANCE, each
-divided by how many tests it has (Bonferroni): every value; the mean over every block of 8 x 8 pixels and channel; the mean over the picture of
-each channel. Pixels are independent under the box filter; under another they share samples, which makes the variance
-of a block `correlation` times larger. So a sound file is called wrong in less than 1 run in 1000, as far as means of
-many samples are normal.
+With d the difference of the two and v the sum of their variances, the squares of their standard errors, d / sqrt(v)
+has Student's distribution, nearly, with Welch's degrees of freedom (Welch 1947). Three families share SIGNIFICANCE,
+each divided by how many tests it has (Bonferroni): every value; the mean over every block of 8 x 8 pixels and channel;
+the mean over the picture of each channel. Pixels are independent under the box filter; under another they share
+samples, which makes the variance of a block `correlation` times larger. So a sound file is called wrong in less than 1
+run in 1000, as far as means of many samples are normal.
 
 A detail that fills a thousandth of a pixel can be met by no sample of the check, which then knows of no scatter. The
 stored file does: samples that meet something by chance have a variance that is inverse to their number, and the check
@@ -34,8 +34,6 @@ from aliascope.references.converged import Estimate
 SIGNIFICANCE = 1e-3
 BLOCK = 8
 SLACK = 0.1
-MANY = 32
-"""Degrees of freedom of a sum over a block's variances: at least those of two values."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +78,9 @@ def agreement(stored: Estimate, again: Estimate, rounding: float, factor: float 
         most = float(limit[row, column, channel])
         reason = f"pixel ({column}, {row}) channel {channel} differs by {worst:.3g}, at most {most:.3g}"
     else:
-        reason = _means(difference, variance * factor, rounding)
+        # A block may owe its variance to one value of one of the two: no fewer degrees of freedom than that has.
+        least = min(stored.replicates, again.replicates) - 1
+        reason = _means(difference, variance * factor, least, rounding)
     if not reason and excess > 0.0:
         reason = f"its standard errors are too small: the differences' squares are {mean_square:.3g} of what they say"
     return Agreement(reason, (row, column, channel), abs(worst), float(limit[row, column, channel]), mean_square)
@@ -107,11 +107,11 @@ def _blocks(pictures: Array, squared: bool = False) -> Array:
     return means
 
 
-def _means(difference: Array, variance: Array, rounding: float) -> str:
+def _means(difference: Array, variance: Array, freedom: int, rounding: float) -> str:
     """What is wrong with the means over blocks and over the picture, if anything."""
     blocks = np.abs(_blocks(difference))
     spread = np.sqrt(_blocks(variance, squared=True))
-    limit = student.isf(SIGNIFICANCE / 3 / 2 / blocks.size, MANY) * spread + rounding
+    limit = student.isf(SIGNIFICANCE / 3 / 2 / blocks.size, freedom) * spread + rounding
     if not bool((blocks <= limit).all()):
         row, column, channel = (int(i) for i in np.unravel_index(int(np.argmax(blocks / limit)), blocks.shape))
         return (
@@ -119,7 +119,7 @@ def _means(difference: Array, variance: Array, rounding: float) -> str:
             f"{blocks[row, column, channel]:.3g} in the mean, at most {limit[row, column, channel]:.3g}"
         )
     whole = np.abs(difference.mean(axis=(0, 1)))
-    most = student.isf(SIGNIFICANCE / 3 / 2 / whole.size, MANY) * np.sqrt(variance.sum(axis=(0, 1)))
+    most = student.isf(SIGNIFICANCE / 3 / 2 / whole.size, freedom) * np.sqrt(variance.sum(axis=(0, 1)))
     most = most / (variance.size / whole.size) + rounding
     if not bool((whole <= most).all()):
         channel = int(np.argmax(whole / most))

@@ -124,7 +124,8 @@ def _inside(power: Array, near: Array, radius: float) -> tuple[Array, Array, Mas
     # Roots of t^2 - 2 ahead t + power: the larger one in size first, the other from their product.
     large = np.where(ahead >= 0.0, ahead + root, ahead - root)
     safe = np.where(large == 0.0, 1.0, large)
-    small = np.where(large == 0.0, 0.0, power / safe)
+    with np.errstate(over="ignore"):  # a root beyond all numbers is beyond the side too
+        small = np.where(large == 0.0, 0.0, power / safe)
     enter, leave = np.minimum(large, small), np.maximum(large, small)
     # The corners' own signs decide about the ends, so that two sides agree about the corner between them.
     following = np.roll(power, -1, axis=1)

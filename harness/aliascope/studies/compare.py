@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from aliascope import image, pipeline, places, references, renderers
-from aliascope.errors import Interrupted, NotWritable
+from aliascope.errors import CheckFailed, Interrupted, NotWritable, Unsupported
 from aliascope.pipeline import Options, Plan, Progress
 from aliascope.records import Estimate, Failure, ModeRow, Outcome, ReportData, SceneSection
 from aliascope.references import Reference
@@ -39,15 +40,17 @@ def compare(
     options: Options,
     command: str,
     progress: Progress,
+    tell: Callable[[str], None],
 ) -> Comparison:
-    """Renders what `folder` does not have yet, and writes results and report there.
+    """Renders what `folder` does not have yet, and writes results and report there. `tell` says what takes time before.
 
-    Raises CheckFailed for a scene of the project without its reference, Unsupported for another's that has no exact
-    one, NotWritable for the folder.
+    Raises CheckFailed for a scene of the project without its reference, Unsupported for a scene that nothing draws,
+    NotWritable for the folder.
     """
     begun, started = time.perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
     sizes = {pipeline.judged_by(job): (job.width, job.height) for job in plan.jobs}
-    judged = {key: reference_of(plan, *key, size) for key, size in sizes.items()}
+    _check_drawn(plan)
+    judged = {key: reference_of(plan, key, size, folder / "references", tell) for key, size in sizes.items()}
     with Store(folder / "results.sqlite") as store:
         _check_writable(folder)
         store.begin_run(started, command, places.revision(), places.machine(), plan.versions)
@@ -79,6 +82,14 @@ def compare(
     return Comparison(write_report(folder, data), data, len(outcomes) - reused, outcomes)
 
 
+def _check_drawn(plan: Plan) -> None:
+    drawn = {job.scene for job in plan.jobs}
+    for name in plan.files:
+        reasons = {cell.reason for cell in plan.empty if cell.scene == name}
+        if name not in drawn and reasons:
+            raise Unsupported(f"{name}: no mode draws it: {'; '.join(sorted(reasons))}")
+
+
 def _check_writable(folder: Path) -> None:
     try:
         (folder / "images").mkdir(parents=True, exist_ok=True)
@@ -86,12 +97,24 @@ def _check_writable(folder: Path) -> None:
         raise NotWritable(f"{folder}: cannot be written: {error.strerror}; choose another folder with -o") from error
 
 
-def reference_of(plan: Plan, name: str, filter_: str, size: tuple[int, int]) -> Reference:
-    """The kept reference of a scene of the project at its own size; of any other scene or size, one made now."""
+def reference_of(
+    plan: Plan, key: tuple[str, str], size: tuple[int, int], folder: Path, tell: Callable[[str], None]
+) -> Reference:
+    """The kept reference of a scene of the project at its own size. Of any other scene or size, one that is made now and
+    kept in `folder`: exact where there is a method, else converged."""
+    name, filter_ = key
     file = plan.files[name]
     if file.path.parent == places.SCENES and size == file.scene.view.size:
         return reference_files.load(places.REFERENCES, name, file.scene, size, filter_)
-    return references.make(file.scene, size, filter_)
+    if reference_files.path_of(folder, name, size, filter_).is_file():
+        try:
+            return reference_files.load(folder, name, file.scene, size, filter_)
+        except CheckFailed as error:  # of an earlier version of the scene
+            tell(str(error).partition("; ")[0])
+    tell(f"making the reference of {name}, {size[0]} x {size[1]} pixels, filter {filter_}")
+    made = references.make(file.scene, size, filter_, references.Plan(threads=os.cpu_count() or 1))
+    reference_files.save(folder, name, file.scene, size, filter_, made)
+    return made
 
 
 def _section(
