@@ -27,8 +27,8 @@ QUICK: Mapping[str, tuple[str, ...]] = {
     "embree": _uniform("random", "regular", "jittered", "halton", "sobol,sampler.scramble=owen"),
     "povray": (
         "none",
-        *(f"am1:depth={depth}" for depth in (2, 3, 5, 9)),
-        *(f"am2:depth={depth}" for depth in (2, 3, 4)),
+        *(f"am1:depth={depth}" for depth in (2, 3, 5)),
+        *(f"am2:depth={depth}" for depth in (3, 4)),
         *_counts("regular:n={n}", (4, 16, 64)),
     ),
     "osmesa": (

@@ -211,7 +211,7 @@ def test_one_error_scale_for_every_map_of_a_scene(open_page: Open, data: ReportD
 
 def test_the_address_restores_what_was_seen(open_page: Open) -> None:
     page = open_page()
-    page.get_by_role("tab", name="zone-plate").click()
+    page.get_by_role("tab", name="zone-plate", exact=True).click()
     page.get_by_label("picture A").select_option(OSMESA)
     page.get_by_label("slider").check()
     page.keyboard.press("+")
@@ -395,7 +395,7 @@ def test_a_report_of_nothing(open_page: Open, data: ReportData, tmp_path: Path, 
 def test_paper_has_every_scene(open_page: Open) -> None:
     page = open_page(scheme="dark")
     page.emulate_media(media="print")
-    assert page.locator(".scene").count() == 3
+    assert page.locator(".scene").count() == 4
     for scene in page.locator(".scene").all():
         assert scene.is_visible()
         assert scene.locator(".sheet").get_attribute("data-ready") == "true"

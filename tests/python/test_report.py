@@ -18,13 +18,27 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from aliascope.errors import InvalidInput, NotWritable
+from aliascope.errors import InvalidInput, NotAvailable, NotWritable
 from aliascope.records import EmptyCell, Estimate, Failure, ModeRow, Pixels, ReportData, SceneSection
 from aliascope.report import page, write_report
 from aliascope.report.document import document, script_json
 from aliascope.report.encode import PictureStore, decode_picture, encode_picture, error_map, error_scale, round_up
+from aliascope.report.filters import FREQUENCIES, filter_responses, filters_csv
 from aliascope.report.plots import colours, plots_of
 from aliascope.report.pool import curve_of, efficiency, in_common, pareto_front, pool
+from aliascope.report.signal_plots import MOST_LINES, telling
+from aliascope.report.spectra import (
+    CONSTANT,
+    EQUAL,
+    MOST_RINGS,
+    NOT_FINITE,
+    SMALL,
+    joined,
+    scene_spectra,
+    spectra_csv,
+    spectra_of,
+)
+from aliascope.spectrum import radial_spectrum
 
 HOSTILE = "</script><!--<script>alert('$x^{$')\u2028&\"\n,=1"
 NAN, INF = math.nan, math.inf
@@ -159,11 +173,123 @@ def test_scenes_in_common() -> None:
     assert [scene.name for scene in in_common((scene_of("x", b), *scenes[1:]))] == ["x", "two"]
 
 
+def test_a_scene_under_another_filter_is_not_pooled() -> None:
+    """Its modes are of no other scene: over both, every mode would lack one, and none be on the front."""
+    pixels = np.zeros((3, 4, 3), np.float32)
+    box, filtered = row_of("embree", "a", 0.3, 1.0, pixels), row_of("embree", "a:filter=mitchell", 0.1, 1.0, pixels)
+    scenes = scene_of("one", box), scene_of("two", box), scene_of("one, mitchell", filtered)
+    assert [scene.name for scene in in_common(scenes)] == ["one", "two"]
+    assert all(curve.missing == () for curve in pool(in_common(scenes)))
+
+
 @given(st.lists(st.tuples(st.integers(1, 9), st.integers(1, 9)), max_size=12))
 def test_the_front_is_what_nothing_beats(points: list[tuple[int, int]]) -> None:
     found = {points[i] for i in pareto_front(points)}
     expected = {p for p in points if not any(q != p and q[0] <= p[0] and q[1] <= p[1] for q in points)}
     assert found == expected
+
+
+# Signals.
+
+
+def noisy_scene(height: int = 96, width: int = 128) -> SceneSection:
+    rng = np.random.default_rng(5)
+    reference = np.full((height, width, 3), 0.5, np.float32)
+    noise = rng.normal(0.0, 0.1, reference.shape).astype(np.float32)
+    wave = np.cos(2.0 * np.pi * 0.25 * np.arange(width))[np.newaxis, :, np.newaxis] * np.float32(0.1)
+    pictures = {"noise": reference + noise, "wave": reference + wave, "same": reference, "off": reference + 0.25}
+    rows = [row_of("embree", mode, 0.1, 1.0, pixels.astype(np.float32)) for mode, pixels in pictures.items()]
+    return replace(scene_of("noisy", *rows), reference=reference)
+
+
+def test_spectra_tell_noise_from_a_wave() -> None:
+    spectra = scene_spectra(noisy_scene())
+    noise, wave, same, off = spectra.rows
+    assert (same, off) == (EQUAL, CONSTANT)
+    assert not isinstance(noise, str)
+    assert not isinstance(wave, str)
+    # The mean of 3 channels' powers, of variance 0.01: a relative standard error of 2 / sqrt(3 bins), four of them.
+    # The first ring lacks what the mean takes.
+    for power, bins in list(zip(noise, spectra.bins, strict=True))[2:]:
+        assert power == pytest.approx(0.01, rel=8.0 / math.sqrt(3 * bins))
+    assert spectra.frequencies[int(np.argmax(wave))] == pytest.approx(0.25, abs=0.01)  # rings are 1/96 wide
+    # cos of amplitude 0.1 has a mean power of 0.1^2 / 2, but for the 4 digits that are kept
+    assert np.average(wave, weights=spectra.bins) == pytest.approx(0.005, rel=1e-3)
+    assert all(float(f"{power:.4g}") == power for power in (*noise, *wave))
+
+
+@pytest.mark.parametrize("size", [(96, 128), (128, 128), (601, 400), (2, 9), (1, 1)])
+def test_joined_rings_keep_the_power(size: tuple[int, int]) -> None:
+    spectrum = radial_spectrum(np.random.default_rng(6).normal(size=size))
+    rings = joined(spectrum)
+    assert len(rings.bins) <= MOST_RINGS
+    assert rings.bins.sum() == size[0] * size[1] - 1  # all but frequency 0
+    total = (spectrum.bins * spectrum.power).sum()
+    assert (rings.bins * rings.power).sum() == pytest.approx(total, rel=1e-12, abs=1e-12)
+    assert (np.diff(rings.frequencies) > 0).all()
+    if size == (96, 128):
+        assert np.array_equal(rings.power, spectrum.power[1:])  # few enough: as they are
+
+
+def test_a_pixel_has_no_spectrum() -> None:
+    reference = np.zeros((1, 1, 3), np.float32)
+    scene = replace(scene_of("dot", row_of("embree", "a", 1.0, 1.0, reference + np.float32(1))), reference=reference)
+    assert scene_spectra(scene).rows == (SMALL,)
+    assert "is too small" in page(data_of(scene))
+
+
+def test_the_csv_of_spectra_has_a_column_a_mode() -> None:
+    scene = noisy_scene()
+    spectra = scene_spectra(scene)
+    rows = list(csv.DictReader(spectra_csv(spectra, scene.rows).splitlines()))
+    assert [float(row["cycles_per_pixel"]) for row in rows] == list(spectra.frequencies)
+    assert [float(row["embree noise"]) for row in rows] == list(spectra.rows[0])
+    assert {row["embree same"] for row in rows} == {""}
+
+
+def test_the_figure_has_the_least_and_the_most_structured() -> None:
+    scene = noisy_scene()
+    rows = []
+    for renderer in ("embree", "povray"):
+        for i in range(MOST_LINES):
+            for spp in (1.0, 16.0, 256.0):
+                metrics = {"structure": Estimate((i * 5 % MOST_LINES) / 10)}
+                found = replace(scene.rows[0], renderer=renderer, mode=f"{i} {spp}", family=f"{i}", metrics=metrics)
+                rows.append(replace(found, samples_per_pixel=spp))
+    lines = telling(scene_spectra(replace(scene, rows=tuple(rows))), rows)
+    assert [(line.row.renderer, line.structure) for line in lines] == [
+        (renderer, structure) for renderer in ("embree", "povray") for structure in (0.0, 0.5)
+    ]
+    assert {line.row.samples_per_pixel for line in lines} == {16.0}
+
+
+def test_the_csv_of_filters() -> None:
+    rows = list(csv.DictReader(filters_csv(filter_responses()).splitlines()))
+    assert [float(row["cycles_per_pixel"]) for row in rows] == list(FREQUENCIES)
+    for row in rows:
+        f = float(row["cycles_per_pixel"])
+        # box and tent: sinc and its square; 6 decimals are kept
+        assert float(row["box"]) == pytest.approx(np.sinc(f), abs=6e-7)
+        assert float(row["tent"]) == pytest.approx(np.sinc(f) ** 2, abs=6e-7)
+
+
+def test_without_the_library_a_report_has_no_filters(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("aliascope.native.filters.registered", missing)
+    text = write_report(tmp_path, usual()).read_text(encoding="utf-8")
+    assert 'id="filter-panels"' not in text
+    assert not (tmp_path / "plots" / "filters.svg").exists()
+
+
+def missing() -> None:
+    raise NotAvailable("the library is not there")
+
+
+@pytest.mark.parametrize("names", [("edge", "edge-spectrum"), ("edge-spectrum", "edge"), ("a, b", "a-b", "filters")])
+def test_figures_of_like_names_do_not_share_a_file(names: tuple[str, ...], tmp_path: Path) -> None:
+    data = data_of(*(scene_of(name) for name in names))
+    write_report(tmp_path, data)
+    # all scenes, filters, and two a scene
+    assert len(list((tmp_path / "plots").glob("*.svg"))) == 2 + 2 * len(names)
 
 
 # Files.
@@ -174,7 +300,10 @@ def test_all_files_are_written_and_parse(tmp_path: Path) -> None:
     assert path == tmp_path / "new" / "report.html"
     names = ["all-scenes", "one", "one-2", "script-script-alert-x-1"]
     found = sorted(p.name for p in (tmp_path / "new" / "plots").iterdir())
-    assert found == sorted(f"{name}.{kind}" for name in names for kind in ("svg", "csv"))
+    signals = ["filters", *(f"{name}-spectrum" for name in names[1:])]
+    assert found == sorted(f"{name}.{kind}" for name in names + signals for kind in ("svg", "csv"))
+    for name in signals:
+        ElementTree.parse(tmp_path / "new" / "plots" / f"{name}.svg")
     for name in names:
         ElementTree.parse(tmp_path / "new" / "plots" / f"{name}.svg")
         with (tmp_path / "new" / "plots" / f"{name}.csv").open(newline="") as file:
@@ -206,7 +335,7 @@ def test_the_csv_has_every_figure_and_reason(tmp_path: Path) -> None:
 
 
 def test_there_is_no_nan_in_the_json() -> None:
-    values = document(usual(), PictureStore())
+    values = document(usual(), PictureStore(), spectra_of(usual()))
 
     def refuse(name: str) -> None:
         raise AssertionError(name)
@@ -215,6 +344,7 @@ def test_there_is_no_nan_in_the_json() -> None:
     assert values["scenes"][0]["rows"][0]["metrics"]["max"] == [None, None]
     assert values["scenes"][0]["rows"][0]["notFinite"] == 2
     assert values["scenes"][0]["rows"][0]["worst"] == [2, 1]  # the first that is not finite
+    assert values["scenes"][0]["spectra"]["rows"] == [NOT_FINITE, EQUAL]
     with pytest.raises(ValueError, match="Out of range float"):
         script_json(NAN)
 
@@ -252,7 +382,7 @@ def test_the_same_data_gives_the_same_files(tmp_path: Path) -> None:
     for name in "ab":
         write_report(tmp_path / name, usual())
     files = sorted(path.relative_to(tmp_path / "a") for path in (tmp_path / "a").rglob("*.*"))
-    assert len(files) == 10
+    assert len(files) == 18
     for file in files:
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes(), file
 

@@ -3,7 +3,7 @@
 const panelSize = { width: 240, height: 150, top: 8, right: 6, bottom: 24, left: 28 };
 const lowestAmplitude = -0.3;
 const highestAmplitude = 1.1;
-const telling = [0.25, 0.5, 0.75, 1, 1.5];
+const telling = [0.25, 0.5, 0.75, 1, 1.5]; // among the frequencies that `filters.py` gives
 
 class Filters {
   constructor(host, { frequencies, responses }) {
@@ -29,8 +29,7 @@ class Filters {
   }
 
   at(response, frequency) {
-    const near = this.frequencies.reduce((best, f, i) => (Math.abs(f - frequency) < Math.abs(this.frequencies[best] - frequency) ? i : best), 0);
-    return response.amplitude[near];
+    return response.amplitude[this.frequencies.indexOf(frequency)];
   }
 
   panel(response) {
@@ -53,7 +52,7 @@ class Filters {
     const node = h("li", { "data-filter": response.name },
       h("p", { class: "panel-head" }, h("b", {}, response.name), value),
       svg,
-      h("p", { class: "note", title: response.source }, `${response.title}; radius ${figure(response.radius, 2)} px`));
+      h("p", { class: "note", title: response.source }, `${response.title}; radius ${response.radius} px`));
     return { response, node, svg, cursor, dot, value };
   }
 
@@ -73,7 +72,7 @@ class Filters {
   read(index) {
     for (const { response, cursor, dot, value } of this.panels) {
       for (const node of [cursor, dot]) node.setAttribute("visibility", index === null ? "hidden" : "visible");
-      value.textContent = index === null ? "" : `${minus(response.amplitude[index].toFixed(3))} at ${this.frequencies[index].toFixed(2)}`;
+      value.textContent = index === null ? "" : `${minus(response.amplitude[index].toFixed(3))} at ${this.frequencies[index].toFixed(3)}`;
       if (index === null) continue;
       const x = this.x(this.frequencies[index]);
       cursor.setAttribute("x1", x);
@@ -91,7 +90,7 @@ class Filters {
         h("thead", {}, h("tr", {}, head.map((text, i) => h("th", { scope: "col", class: i ? "number" : null }, text)))),
         h("tbody", {}, this.responses.map((response) => h("tr", {},
           h("th", { scope: "row" }, response.name),
-          h("td", { class: "number" }, figure(response.radius, 2)),
+          h("td", { class: "number" }, String(response.radius)),
           telling.map((f) => h("td", { class: "number" }, minus(this.at(response, f).toFixed(3)))))))));
   }
 }

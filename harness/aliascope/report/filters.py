@@ -16,9 +16,9 @@ NYQUIST = 0.5
 """Cycles per pixel. A picture holds what is below; what a filter leaves of the rest comes back as a pattern."""
 
 HIGHEST = 2.0
-STEPS = 100
+STEPS = 80
 FREQUENCIES = tuple(round(HIGHEST * i / STEPS, 6) for i in range(STEPS + 1))
-"""Cycles per pixel, from 0 to HIGHEST."""
+"""Cycles per pixel, from 0 to HIGHEST; quarters are among them, which the page's table tells."""
 
 
 @dataclass(frozen=True)

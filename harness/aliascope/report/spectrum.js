@@ -3,6 +3,7 @@
 const spectrumMargin = { top: 34, right: 26, bottom: 40, left: 52 };
 const nyquist = 0.5; // cycles per pixel along an axis; beyond, only diagonals are left
 const mostDecades = 8;
+const hiddenShare = 0.01; // of all powers of a scene, the least: they would take the room of the others
 
 /** A row's powers by frequency; a sentence where it has none. */
 function spectrumOf(scene, row) {
@@ -16,6 +17,7 @@ class Spectrum {
     this.host = h("div", { class: "figure" });
     this.scene = scene;
     this.at = null;
+    this.clip = `clip-${documentData.scenes.indexOf(scene)}`;
     this.svg = s("svg", {
       class: "plot spectrum-plot", role: "slider", tabindex: "0", "aria-label": `${scene.name}: frequency of the error, in cycles per pixel`,
       "aria-valuemin": 0, "aria-valuemax": Math.max(0, scene.spectra.frequencies.length - 1),
@@ -24,7 +26,7 @@ class Spectrum {
     });
     this.tip = h("div", { class: "tip", hidden: true });
     this.note = h("figcaption", { class: "note" });
-    this.strip = s("svg", { class: "strip", viewBox: "0 0 260 58", "aria-hidden": "true" });
+    this.strip = s("svg", { class: "strip", viewBox: "0 0 340 58", "aria-hidden": "true" });
     this.body = h("tbody");
     this.host.append(h("figure", {}, h("div", { class: "plot-box" }, this.svg, this.tip), this.note));
     host.append(h("div", { class: "spectrum" }, this.host, this.numbers()));
@@ -48,23 +50,25 @@ class Spectrum {
   draw() {
     const { frequencies, rows } = this.scene.spectra;
     this.width = this.host.clientWidth || 640;
-    this.height = clamp(Math.round(this.width * 0.42), 250, 360);
+    this.height = clamp(Math.round(this.width * 0.44), 260, 400);
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
     this.svg.replaceChildren();
     this.front = null;
     const known = rows.filter(hasSpectrum);
     const positive = known.flat().filter((power) => power > 0);
+    this.svg.toggleAttribute("hidden", !positive.length);
     if (positive.length) {
-      const high = positive.reduce((a, b) => Math.max(a, b));
-      const low = Math.max(positive.reduce((a, b) => Math.min(a, b)), high * 10 ** -mostDecades);
+      positive.sort((a, b) => a - b);
+      const high = positive[positive.length - 1];
+      const low = Math.max(positive[Math.floor(positive.length * hiddenShare)], high * 10 ** -mostDecades);
       const bottom = this.height - spectrumMargin.bottom;
       const [left, right] = [spectrumMargin.left, this.width - spectrumMargin.right];
       const highest = Math.max(nyquist, frequencies[frequencies.length - 1]);
       this.x = { at: (f) => left + (f / highest) * (right - left), from: left, to: right, highest };
       this.y = axisScale([low, high], bottom, spectrumMargin.top, false);
-      this.floor = low;
+      this.svg.append(s("clipPath", { id: this.clip }, s("rect", { x: left, y: 0, width: right - left, height: bottom })));
       this.drawAxes(bottom);
-      const others = s("g", { class: "others" });
+      const others = s("g", { class: "others", "clip-path": `url(#${this.clip})` });
       rows.forEach((powers, i) => {
         if (hasSpectrum(powers)) others.append(s("path", { d: this.path(powers), stroke: colourOf(this.scene.rows[i].renderer) }));
       });
@@ -98,8 +102,9 @@ class Spectrum {
       s("text", { x: right, y: this.height - 6, class: "axis-title", "text-anchor": "end" }, "cycles per pixel"));
   }
 
+  /** Powers below the plot, and 0, lie just under its frame, which clips them. */
   heightOf(power) {
-    return this.y.at(Math.max(power, this.floor));
+    return Math.min(this.y.at(Math.max(power, Number.MIN_VALUE)), this.y.from + 50);
   }
 
   path(powers) {
@@ -136,10 +141,10 @@ class Spectrum {
     for (const { slot, letter, row, powers } of shown) {
       const level = this.heightOf(this.level(powers));
       const stroke = colourOf(row.renderer);
-      this.front.append(s("g", { class: `curve ${slot}`, "data-slot": slot, "data-mode": identity(row), stroke },
+      this.front.append(s("g", { class: `curve ${slot}`, "data-slot": slot, "data-mode": identity(row), stroke, "clip-path": `url(#${this.clip})` },
         s("line", { class: "level", x1: this.x.from, x2: this.x.to, y1: level, y2: level }),
         s("path", { class: "line", d: this.path(powers) }, s("title", {}, `${letter}: ${readable(row)}`))));
-      ends.push({ letter, y: this.heightOf(powers[powers.length - 1]) });
+      ends.push({ letter, y: Math.min(this.heightOf(powers[powers.length - 1]), this.y.from) });
     }
     if (ends.length === 2 && Math.abs(ends[0].y - ends[1].y) < 14) {
       const [upper, lower] = ends[0].y <= ends[1].y ? ends : [ends[1], ends[0]];
@@ -151,8 +156,8 @@ class Spectrum {
 
   /** Where the two numbers lie between noise and a pattern. */
   drawStrip() {
-    const at = (value) => 8 + clamp(value, 0, 1) * 244;
-    const words = [[0, "0 noise", "start", 0], [0.5, "½ pattern", "middle", at(0.5)], [1, "1 constant", "end", 260]];
+    const at = (value) => 8 + clamp(value, 0, 1) * 324;
+    const words = [[0, "0 noise", "start", 0], [0.5, "½ pattern", "middle", at(0.5)], [1, "1 constant", "end", 340]];
     this.strip.replaceChildren(
       s("line", { class: "rail", x1: at(0), x2: at(1), y1: 28, y2: 28 }),
       ...words.map(([value]) => s("line", { class: "rail", x1: at(value), x2: at(value), y1: 24, y2: 32 })),
@@ -207,7 +212,7 @@ class Spectrum {
     this.svg.setAttribute("aria-valuetext", this.front ? `${figure(frequency)} cycles per pixel: power ${texts.join(", ")}` : "no spectrum");
     if (this.at === null) return;
     this.tip.replaceChildren(
-      h("p", {}, h("b", {}, figure(frequency)), ` cycles per pixel, a period of ${figure(1 / frequency, 2)} pixels`),
+      h("p", {}, h("b", {}, figure(frequency)), ` cycles per pixel, period ${figure(1 / frequency, 2)} px`),
       h("dl", {}, powers.map(({ letter, row, power }) => h("div", {}, h("dt", {}, marker(row), ` ${letter}`), h("dd", {}, figure(power))))));
     const x = this.x.at(frequency);
     this.cursor.setAttribute("x1", x);
