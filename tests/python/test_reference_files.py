@@ -39,7 +39,7 @@ def nudge(by: float) -> Callable[[Pixels], None]:
     return change
 
 
-@pytest.mark.parametrize("name", ["edge", "zone-plate", "discs", "siemens-star", "checker-horizon"])
+@pytest.mark.parametrize("name", ["edge", "zone-plate", "discs", "siemens-star", "comb", "checker-horizon"])
 def test_committed_references_hold(name: str) -> None:
     of = stored(name)
     result = files.verify(REPOSITORY / "reference", name, of, of.view.size, "box")

@@ -31,8 +31,7 @@ NOT_FINITE = "has values that are no numbers: no spectrum"
 class SceneSpectra:
     """The spectra of a scene's rows, in their order: the mean power density of each ring, or why there is none.
 
-    `frequencies` and `bins` are those of RadialSpectrum, of rings that all rows share; frequency 0, which has no power
-    by definition, is left out.
+    `frequencies` and `bins` are those of RadialSpectrum, of rings that all rows share, see `joined`.
     """
 
     frequencies: tuple[float, ...]
@@ -86,13 +85,15 @@ def _size(pixels: Pixels) -> str:
 def joined(spectrum: RadialSpectrum, most: int = MOST_RINGS) -> RadialSpectrum:
     """A spectrum without frequency 0, in at most so many rings: each the mean of as many neighbours, by their bins.
 
-    sum(bins * power) stays, but for that of frequency 0, which is 0 but for rounding.
+    sum(bins * power) stays, but for that of frequency 0, which is 0 but for rounding. It is left out where it has a
+    ring of its own: in a picture over twice as wide as high, or the other way, it shares one with waves along.
     """
-    count = len(spectrum.bins) - 1
+    first = 1 if spectrum.bins[0] == 1 else 0
+    count = len(spectrum.bins) - first
     starts = np.arange(0, count, -(-count // most) or 1)
 
     def total(values: NDArray[Any]) -> NDArray[Any]:
-        return np.add.reduceat(values[1:], starts) if count else values[1:]
+        return np.add.reduceat(values[first:], starts) if count else values[first:]
 
     bins = total(spectrum.bins)
     return RadialSpectrum(

@@ -17,7 +17,6 @@ class Spectrum {
     this.host = h("div", { class: "figure" });
     this.scene = scene;
     this.at = null;
-    this.clip = `clip-${documentData.scenes.indexOf(scene)}`;
     this.svg = s("svg", {
       class: "plot spectrum-plot", role: "slider", tabindex: "0", "aria-label": `${scene.name}: frequency of the error, in cycles per pixel`,
       "aria-valuemin": 0, "aria-valuemax": Math.max(0, scene.spectra.frequencies.length - 1),
@@ -66,15 +65,16 @@ class Spectrum {
       const highest = Math.max(nyquist, frequencies[frequencies.length - 1]);
       this.x = { at: (f) => left + (f / highest) * (right - left), from: left, to: right, highest };
       this.y = axisScale([low, high], bottom, spectrumMargin.top, false);
-      this.svg.append(s("clipPath", { id: this.clip }, s("rect", { x: left, y: 0, width: right - left, height: bottom })));
       this.drawAxes(bottom);
-      const others = s("g", { class: "others", "clip-path": `url(#${this.clip})` });
+      const others = s("g", { class: "others" });
       rows.forEach((powers, i) => {
         if (hasSpectrum(powers)) others.append(s("path", { d: this.path(powers), stroke: colourOf(this.scene.rows[i].renderer) }));
       });
       this.front = s("g", {});
+      this.letters = s("g", {});
       this.cursor = s("line", { class: "cursor", y1: spectrumMargin.top, y2: bottom, visibility: "hidden" });
-      this.svg.append(others, this.cursor, this.front);
+      const frame = s("svg", { width: this.width, height: bottom }, others, this.front); // clips what it holds
+      this.svg.append(frame, this.cursor, this.letters);
     }
     this.mark();
   }
@@ -141,7 +141,7 @@ class Spectrum {
     for (const { slot, letter, row, powers } of shown) {
       const level = this.heightOf(this.level(powers));
       const stroke = colourOf(row.renderer);
-      this.front.append(s("g", { class: `curve ${slot}`, "data-slot": slot, "data-mode": identity(row), stroke, "clip-path": `url(#${this.clip})` },
+      this.front.append(s("g", { class: `curve ${slot}`, "data-slot": slot, "data-mode": identity(row), stroke },
         s("line", { class: "level", x1: this.x.from, x2: this.x.to, y1: level, y2: level }),
         s("path", { class: "line", d: this.path(powers) }, s("title", {}, `${letter}: ${readable(row)}`))));
       ends.push({ letter, y: Math.min(this.heightOf(powers[powers.length - 1]), this.y.from) });
@@ -151,7 +151,7 @@ class Spectrum {
       const middle = (upper.y + lower.y) / 2;
       [upper.y, lower.y] = [middle - 7, middle + 7];
     }
-    this.front.append(...ends.map(({ letter, y }) => s("text", { class: "letter", x: this.x.to + 7, y: y + 4.5 }, letter)));
+    this.letters.replaceChildren(...ends.map(({ letter, y }) => s("text", { class: "letter", x: this.x.to + 7, y: y + 4.5 }, letter)));
   }
 
   /** Where the two numbers lie between noise and a pattern. */
