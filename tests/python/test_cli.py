@@ -228,6 +228,12 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
     assert compare(tmp_path, "edge", "discs", *QUICK)["rendered"] == 1
 
 
+def test_processes_side_by_side_make_the_same_pictures(tmp_path: Path) -> None:
+    modes = ("edge", "-r", "embree", "-m", "uniform:n=4", "-m", "uniform:n=16,sampler=halton")
+    one, two = (compare(tmp_path / processes, *modes, "-j", processes) for processes in ("1", "2"))
+    assert [row["metrics"] for row in one["rows"]] == [row["metrics"] for row in two["rows"]]
+
+
 def test_dry_run_and_choices(tmp_path: Path) -> None:
     def jobs(*arguments: str) -> list[dict[str, Any]]:
         found = json.loads(run("compare", *arguments, "--dry-run", "--json").stdout)["jobs"]

@@ -86,12 +86,31 @@ def test_a_whole_scene_is_read(tmp_path: Path) -> None:
             "albedo = [1.5, 0, 0]",
             "scene.toml:14: materials.paper.albedo: must be at most 1, not 1.5",
         ),
+        ('type = "orthographic"', 'type = "isometric"', "scene.toml:8: camera.type: "),
+        ("height = 2.0", "height = 0.0", "scene.toml:11: camera.height: must be greater than 0"),
         ("[view]", "[view", "scene.toml:4: not TOML"),
         ('title = "t"', "", 'scene.toml:1: title: the key "title" is missing'),
     ],
 )
 def test_errors_name_file_line_and_key(tmp_path: Path, old: str, new: str, expected: str) -> None:
     assert expected in complaint(tmp_path, old, new)
+
+
+@pytest.mark.parametrize(
+    ("angle", "words"),
+    [
+        ("0.0", "must be greater than 0"),
+        ("180.0", "must be less than 180"),
+        ("-3.0", "greater"),
+        ("nan", ""),
+        ("inf", ""),
+    ],
+)
+def test_angles_that_see_nothing_or_everything(tmp_path: Path, angle: str, words: str) -> None:
+    text = WHOLE.replace('type = "orthographic"', 'type = "perspective"')
+    with pytest.raises(InvalidInput, match=rf"scene\.toml:11: camera\.vertical_fov_degrees: .*{words}"):
+        load(tmp_path, text.replace("height = 2.0", f"vertical_fov_degrees = {angle}"))
+    assert load(tmp_path, text.replace("height = 2.0", "vertical_fov_degrees = 179.9")).scene.camera
 
 
 def test_more_than_one_error_is_counted(tmp_path: Path) -> None:
