@@ -1,6 +1,6 @@
 // What the reconstruction filters let through: one small plot each, the others faint behind it, one scale for all.
 
-const panelSize = { width: 240, height: 150, top: 8, right: 6, bottom: 24, left: 28 };
+const panelSize = { width: 300, height: 172, top: 8, right: 6, bottom: 26, left: 28 };
 const lowestAmplitude = -0.3;
 const highestAmplitude = 1.1;
 const telling = [0.25, 0.5, 0.75, 1, 1.5]; // among the frequencies that `filters.py` gives

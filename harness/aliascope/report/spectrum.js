@@ -42,7 +42,7 @@ class Spectrum {
       h("p", {}, h("b", {}, "structure"), " tells how much neighbouring errors go together: near 0, noise; toward ½, a pattern (moiré, staircases)."),
       this.strip,
       h("table", {}, h("caption", { class: "hidden" }, "Structure of the error of A and B"), h("thead", {}, h("tr", {}, head)), this.body),
-      h("p", { class: "note" }, "Noise has a flat spectrum, a pattern has peaks. Moiré whose frequency changes over the picture fills the spectrum evenly too: then the number alone tells."));
+      h("p", { class: "note" }, "Noise has a flat spectrum, a pattern has peaks. Moiré whose frequency changes over the picture spreads over the spectrum as noise does: then the number alone tells."));
   }
 
   /** One scale for all pictures of the scene, so that curves can be compared as A and B change. */
