@@ -100,8 +100,8 @@ def _check_writable(folder: Path) -> None:
 def reference_of(
     plan: Plan, key: tuple[str, str], size: tuple[int, int], folder: Path, tell: Callable[[str], None]
 ) -> Reference:
-    """The kept reference of a scene of the project at its own size. Of any other scene or size, one that is made now and
-    kept in `folder`: exact where there is a method, else converged."""
+    """The kept reference of a scene of the project at its own size. Of any other scene or size, one that is made now
+    and kept in `folder`: exact where there is a method, else converged."""
     name, filter_ = key
     file = plan.files[name]
     if file.path.parent == places.SCENES and size == file.scene.view.size:
