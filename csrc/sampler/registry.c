@@ -8,7 +8,15 @@
 #include "spec.h"
 
 /* One line a pattern. */
-#define BUILT_IN_SAMPLERS(X) X(random) X(regular) X(jittered) X(halton) X(sobol)
+/* clang-format off */
+#define BUILT_IN_SAMPLERS(X) \
+  X(random) \
+  X(regular) \
+  X(jittered) \
+  X(halton) \
+  X(sobol) \
+  /* end of the list */
+/* clang-format on */
 
 #define DECLARE(name) extern const asc_sampler_interface asc_sampler_##name;
 BUILT_IN_SAMPLERS(DECLARE)

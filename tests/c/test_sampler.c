@@ -1,6 +1,6 @@
-/* The sampler library: the contracts that hold for every registered sampler, and the property of each. */
+/* The sampler library: hash, permutations, the first patterns, refusals, specs. test_sampler_contracts.c has what holds
+ * of every sampler. */
 #include <math.h>
-#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,60 +15,7 @@
 #include "hash.h"
 #include "permutation.h"
 
-/* A count that every pattern has in 1, 2 and 3 dimensions: 4^3 for the grid, 8^2 for jittered. */
-#define COUNT 64
-
-static asc_sampler *make(const char *spec, uint64_t samples, uint32_t dimensions, uint64_t seed) {
-  const asc_sampler_desc desc = {sizeof desc, spec, samples, dimensions, seed};
-  asc_sampler *sampler = NULL;
-  asc_error error = {{0}};
-  if (asc_sampler_create(&desc, &sampler, &error)) fail_msg("%s: %s", spec, error.text);
-  return sampler;
-}
-
-static void fill(const asc_sampler *sampler, int32_t x, int32_t y, uint64_t first, size_t count, uint32_t dimension,
-                 uint32_t dimensions, double *points) {
-  const asc_range range = {x, y, first, count, dimension, dimensions};
-  assert_int_equal(asc_sampler_fill(sampler, &range, points), ASC_OK);
-}
-
-static const char *const specs[] = {"random",
-                                    "regular",
-                                    "jittered",
-                                    "halton",
-                                    "halton:scramble=shift",
-                                    "sobol",
-                                    "sobol:scramble=shift",
-                                    "sobol:scramble=digit",
-                                    "sobol:scramble=owen"};
-#define SPECS (sizeof specs / sizeof *specs)
-
-static void every_registered_sampler_is_tested(void **state) {
-  (void)state;
-  for (size_t i = 0; i < asc_sampler_count(); i++) {
-    asc_sampler_info info;
-    assert_int_equal(asc_sampler_describe(i, &info), ASC_OK);
-    int found = 0;
-    for (size_t k = 0; k < SPECS; k++) found |= strcmp(specs[k], info.name) == 0;
-    if (!found) fail_msg("no test of %s", info.name);
-    assert_non_null(info.title);
-    assert_non_null(info.source);
-  }
-}
-
-static void points_lie_below_one_as_float_too(void **state) {
-  (void)state;
-  for (size_t k = 0; k < SPECS; k++) {
-    double points[COUNT * 3];
-    asc_sampler *sampler = make(specs[k], COUNT, 3, 5);
-    fill(sampler, 3, -4, 0, COUNT, 0, 3, points);
-    for (size_t i = 0; i < COUNT * 3; i++) {
-      assert_true(points[i] >= 0.0 && points[i] < 1.0);
-      assert_true((float)points[i] < 1.0f);
-    }
-    asc_sampler_destroy(sampler);
-  }
-}
+#include "sampler_tools.h"
 
 /* Index 2^32 - 1 of the first dimension is 1 - 2^-32, which rounds to 1 as float. */
 static void values_next_to_one_are_moved(void **state) {
@@ -78,79 +25,6 @@ static void values_next_to_one_are_moved(void **state) {
   fill(sampler, 0, 0, UINT32_MAX, 1, 0, 1, &point);
   assert_true(point == 1.0 - 0x1p-24);
   asc_sampler_destroy(sampler);
-}
-
-static void pieces_out_of_order_equal_all_at_once(void **state) {
-  (void)state;
-  for (size_t k = 0; k < SPECS; k++) {
-    double all[COUNT * 3];
-    asc_sampler *sampler = make(specs[k], COUNT, 3, 9);
-    fill(sampler, 11, 7, 0, COUNT, 0, 3, all);
-    for (size_t step = 0; step < COUNT; step++) {
-      const size_t first = (step * 29) % COUNT; /* 29 and 64 have no common divisor: every index once */
-      const size_t count = COUNT - first < 19 ? COUNT - first : 19;
-      double piece[19];
-      for (uint32_t dimension = 0; dimension < 3; dimension++) {
-        fill(sampler, 11, 7, first, count, dimension, 1, piece);
-        for (size_t i = 0; i < count; i++) assert_true(piece[i] == all[(first + i) * 3 + dimension]);
-      }
-      double pair[2];
-      fill(sampler, 11, 7, first, 1, 1, 2, pair);
-      assert_memory_equal(pair, all + first * 3 + 1, sizeof pair);
-    }
-    asc_sampler_destroy(sampler);
-  }
-}
-
-typedef struct thread_work {
-  const asc_sampler *sampler;
-  double points[16][COUNT * 2];
-} thread_work;
-
-static void *fill_pixels(void *argument) {
-  thread_work *work = argument;
-  for (int32_t pixel = 0; pixel < 16; pixel++) {
-    const asc_range range = {pixel, 0, 0, COUNT, 0, 2};
-    (void)asc_sampler_fill(work->sampler, &range, work->points[pixel]);
-  }
-  return NULL;
-}
-
-static void threads_give_the_same_bits(void **state) {
-  (void)state;
-  for (size_t k = 0; k < SPECS; k++) {
-    asc_sampler *sampler = make(specs[k], COUNT, 2, 1);
-    static thread_work work[4];
-    pthread_t threads[4];
-    for (int t = 0; t < 4; t++) {
-      work[t].sampler = sampler;
-      assert_int_equal(pthread_create(&threads[t], NULL, fill_pixels, &work[t]), 0);
-    }
-    for (int t = 0; t < 4; t++) assert_int_equal(pthread_join(threads[t], NULL), 0);
-    for (int t = 1; t < 4; t++) assert_memory_equal(work[0].points, work[t].points, sizeof work[0].points);
-    asc_sampler_destroy(sampler);
-  }
-}
-
-/* Randomised patterns differ from seed to seed and pixel to pixel, at 256 and 2^16 apart too; others never do. */
-static void seeds_and_pixels_matter_where_they_should(void **state) {
-  (void)state;
-  const int32_t places[][2] = {{1, 0}, {0, 1}, {256, 0}, {0, 65536}, {-1, 0}};
-  for (size_t k = 0; k < SPECS; k++) {
-    double base[COUNT * 2], other[COUNT * 2];
-    asc_sampler *sampler = make(specs[k], COUNT, 2, 1);
-    const int randomised = (asc_sampler_traits(sampler) & ASC_TRAIT_RANDOMISED) != 0;
-    fill(sampler, 0, 0, 0, COUNT, 0, 2, base);
-    for (size_t p = 0; p < sizeof places / sizeof *places; p++) {
-      fill(sampler, places[p][0], places[p][1], 0, COUNT, 0, 2, other);
-      assert_int_equal(memcmp(base, other, sizeof base) != 0, randomised);
-    }
-    asc_sampler *seeded = make(specs[k], COUNT, 2, (uint64_t)1 << 32 | 1);
-    fill(seeded, 0, 0, 0, COUNT, 0, 2, other);
-    assert_int_equal(memcmp(base, other, sizeof base) != 0, randomised);
-    asc_sampler_destroy(seeded);
-    asc_sampler_destroy(sampler);
-  }
 }
 
 static void weights_are_one_over_n(void **state) {
@@ -421,12 +295,7 @@ static void plugins_that_are_none_are_refused(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_registered_sampler_is_tested),
-      cmocka_unit_test(points_lie_below_one_as_float_too),
       cmocka_unit_test(values_next_to_one_are_moved),
-      cmocka_unit_test(pieces_out_of_order_equal_all_at_once),
-      cmocka_unit_test(threads_give_the_same_bits),
-      cmocka_unit_test(seeds_and_pixels_matter_where_they_should),
       cmocka_unit_test(weights_are_one_over_n),
       cmocka_unit_test(philox_gives_its_known_answers),
       cmocka_unit_test(hashing_side_by_side_is_hashing_one_by_one),
