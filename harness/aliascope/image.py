@@ -44,6 +44,12 @@ def write_exr(path: Path, pixels: Pixels, header: Mapping[str, str]) -> None:
             temporary.unlink()
 
 
+def remove_unfinished(folder: Path) -> None:
+    """Removes what a process that was killed while it wrote a picture left below this folder."""
+    for path in folder.glob("**/.*.exr"):
+        path.unlink(missing_ok=True)
+
+
 def read_image(path: Path) -> Pixels:
     """Any picture that OpenImageIO reads, as float32 (height, width, channels), as stored: no colour conversion."""
     if not path.is_file():

@@ -283,6 +283,7 @@ def execute(
     progress: Progress,
 ) -> tuple[dict[str, Outcome], int]:
     """Renders what the store does not have. Returns the outcomes by key, and how many of them were there already."""
+    image.remove_unfinished(folder / "images")
     outcomes = {
         key: outcome
         for key, outcome in store.done(job.key for job in plan.jobs).items()

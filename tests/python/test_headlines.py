@@ -54,6 +54,12 @@ def test_scenes_are_joined_by_the_mean_square_and_only_those_that_all_drew_count
     assert "povray 1 s (am1, n=3)" in first
 
 
+def test_a_scene_under_another_filter_is_no_scene_more() -> None:
+    scenes = [section("a", *tracer(0.05)), section("b", *tracer(0.05))]
+    filtered = section("a, mitchell", row("embree", "uniform random, mitchell", 64, 0.5, 1.0))
+    assert headlines([*scenes, filtered])[0] == headlines(scenes)[0]
+
+
 def test_nothing_is_said_of_nothing() -> None:
     assert headlines([]) == ()
     assert headlines([section("a", row("osmesa", "none", 1, 0.9, 1.0))]) == ()

@@ -2,54 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 from aliascope.records import Estimate, ModeRow, SceneSection
+from aliascope.report.pool import Curve, in_common, pool
 from aliascope.statistics import rate
 
 TARGETS = (0.01, 0.02, 0.05, 0.1, 0.2)
 
 
-@dataclass(frozen=True)
-class Overall:
-    """One mode over several scenes: root mean square of its RMSE, mean CPU time of a picture."""
-
-    renderer: str
-    label: str
-    rmse: float
-    cpu_seconds: float
-
-
 def headlines(scenes: Sequence[SceneSection]) -> tuple[str, ...]:
     """What came out, the most telling first; nothing where there is nothing to say."""
     return tuple(sentence for sentence in (_to_reach(scenes), _rates(scenes)) if sentence)
-
-
-def in_common(scenes: Sequence[SceneSection]) -> list[SceneSection]:
-    """The scenes that every renderer drew: others would favour the one that left out the hard ones."""
-    drawn = [{row.renderer for row in scene.rows} for scene in scenes]
-    every = set().union(*drawn)
-    return [scene for scene, renderers in zip(scenes, drawn, strict=True) if renderers == every]
-
-
-def over_all(scenes: Sequence[SceneSection]) -> list[Overall]:
-    """The modes that drew each of these scenes."""
-    drawn: dict[tuple[str, str], list[ModeRow]] = {}
-    for scene in scenes:
-        for row in scene.rows:
-            drawn.setdefault((row.renderer, row.label), []).append(row)
-    return [
-        Overall(
-            renderer,
-            label,
-            math.sqrt(sum(_value(row.metrics["rmse"]) ** 2 for row in rows) / len(rows)),
-            sum(_value(row.cpu_seconds) for row in rows) / len(rows),
-        )
-        for (renderer, label), rows in drawn.items()
-        if len(rows) == len(scenes)
-    ]
 
 
 def _value(estimate: Estimate) -> float:
@@ -58,23 +22,28 @@ def _value(estimate: Estimate) -> float:
 
 
 def _to_reach(scenes: Sequence[SceneSection]) -> str:
+    """Of the modes that drew each of the scenes that the report pools."""
     common = in_common(scenes)
-    modes = over_all(common)
-    target = next((t for t in TARGETS if any(mode.rmse <= t for mode in modes)), None)
+    modes = [mode for mode in pool(common) if not mode.missing]
+    target = next((t for t in TARGETS if any(_rmse(mode) <= t for mode in modes)), None)
     if target is None:
         return ""
     parts = []
     for renderer in dict.fromkeys(mode.renderer for mode in modes):
         own = [mode for mode in modes if mode.renderer == renderer]
-        able = [mode for mode in own if mode.rmse <= target]
+        able = [mode for mode in own if _rmse(mode) <= target]
         if able:
-            fastest = min(able, key=lambda mode: mode.cpu_seconds)
-            parts.append(f"{renderer} {_seconds(fastest.cpu_seconds)} ({fastest.label})")
+            fastest = min(able, key=lambda mode: _value(mode.cpu_seconds))
+            parts.append(f"{renderer} {_seconds(_value(fastest.cpu_seconds))} ({fastest.label})")
         else:
-            best = min(own, key=lambda mode: mode.rmse)
-            parts.append(f"{renderer} cannot (its best is {best.rmse:.2g}, {best.label})")
+            best = min(own, key=_rmse)
+            parts.append(f"{renderer} cannot (its best is {_rmse(best):.2g}, {best.label})")
     over = f"the scene {common[0].name}" if len(common) == 1 else f"{len(common)} scenes"
     return f"CPU time a picture to reach an RMSE of {target:g} over {over}: {'; '.join(parts)}."
+
+
+def _rmse(mode: Curve) -> float:
+    return _value(mode.metrics["rmse"])
 
 
 def _seconds(seconds: float) -> str:
