@@ -10,8 +10,9 @@
 struct block_work {
   packet rays;
   uint32_t pixel[PACKET]; /* of the block's, by lane */
+  double scale[PACKET];   /* N times the sample's weight, by lane: 1 but for quadrature rules */
   double sum[BLOCK_SIDE * BLOCK_SIDE][3];
-  double points[CHUNK][2];
+  double points[CHUNK][2], weights[CHUNK];
   block area;
   const film *target; /* NULL: samples go to `sum` */
   const film_pixel *cells;
@@ -36,7 +37,7 @@ static void add_to_film(block_work *memory) {
   for (uint32_t i = 0; i < rays->lanes; i++) {
     const uint32_t number = memory->pixel[i];
     samples[i] = (film_sample){memory->cells[number], rays->sample_x[i] - (area.x + (int32_t)(number % area.columns)),
-                               rays->sample_y[i] - (area.y + (int32_t)(number / area.columns))};
+                               rays->sample_y[i] - (area.y + (int32_t)(number / area.columns)), memory->scale[i]};
   }
   film_add(memory->target, rays->lanes, samples, rays->radiance);
 }
@@ -51,7 +52,7 @@ static void flush(const tracer *made, block_work *memory) {
   else
     for (uint32_t i = 0; i < rays->lanes; i++)
       for (int channel = 0; channel < 3; channel++)
-        memory->sum[memory->pixel[i]][channel] += rays->radiance[i][channel];
+        memory->sum[memory->pixel[i]][channel] += memory->scale[i] * rays->radiance[i][channel];
   rays->lanes = 0;
 }
 
@@ -59,16 +60,19 @@ static void flush(const tracer *made, block_work *memory) {
 static asc_status add_pixel(const tracer *made, const asc_sampler *sampler, uint64_t samples, int32_t x, int32_t y,
                             uint32_t number, block_work *memory) {
   packet *rays = &memory->rays;
+  const int weighted = (asc_sampler_traits(sampler) & ASC_TRAIT_WEIGHTED) != 0;
   for (uint64_t done = 0; done < samples; done += CHUNK) {
     const uint64_t left = samples - done;
     const asc_range range = {x, y, done, left < CHUNK ? (size_t)left : CHUNK, 0, 2};
     asc_status status = asc_sampler_fill(sampler, &range, &memory->points[0][0]);
+    if (status == ASC_OK && weighted) status = asc_sampler_weights(sampler, done, range.sample_count, memory->weights);
     if (status) return status;
     for (size_t i = 0; i < range.sample_count; i++) {
       const uint32_t lane = rays->lanes++;
       rays->sample_x[lane] = x + memory->points[i][0];
       rays->sample_y[lane] = y + memory->points[i][1];
       memory->pixel[lane] = number;
+      memory->scale[lane] = weighted ? (double)samples * memory->weights[i] : 1.0;
       if (rays->lanes == PACKET) flush(made, memory);
     }
   }

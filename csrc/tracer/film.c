@@ -69,10 +69,10 @@ static inline int32_t positions_of(const film *of, double x, double *positions) 
 /* Adds each sample to the taps x taps cells from `corner` on. */
 ASC_VECTORISE
 static void splat(size_t count, uint32_t side, uint32_t taps, film_cell *const *corner, const double *weights,
-                  const double (*radiance)[3]) {
+                  const film_cell *values) {
   for (size_t k = 0; k < count; k++) {
     const double *along_x = weights + (size_t)2 * taps * k, *along_y = along_x + taps;
-    const film_cell value = {radiance[k][0], radiance[k][1], radiance[k][2], 1.0};
+    const film_cell value = values[k];
     for (uint32_t j = 0; j < taps; j++) {
       film_cell *row = corner[k] + (size_t)j * side;
       for (uint32_t i = 0; i < taps; i++) row[i] += along_x[i] * along_y[j] * value;
@@ -82,16 +82,17 @@ static void splat(size_t count, uint32_t side, uint32_t taps, film_cell *const *
 
 void film_add(const film *of, size_t count, const film_sample *samples, const double (*radiance)[3]) {
   double positions[FILM_BATCH * 2 * FILM_TAPS_MOST] = {0.0}, weights[FILM_BATCH * 2 * FILM_TAPS_MOST];
-  film_cell *corner[FILM_BATCH];
+  film_cell *corner[FILM_BATCH], values[FILM_BATCH];
   const size_t taps = of->taps;
   for (size_t k = 0; k < count; k++) {
     const int32_t x = positions_of(of, samples[k].x, positions + 2 * taps * k);
     const int32_t y = positions_of(of, samples[k].y, positions + 2 * taps * k + taps);
     corner[k] = samples[k].pixel.weighted + (ptrdiff_t)y * of->side + x;
-    for (int c = 0; c < 3; c++) (*samples[k].pixel.plain)[c] += radiance[k][c];
+    values[k] = samples[k].scale * (film_cell){radiance[k][0], radiance[k][1], radiance[k][2], 1.0};
+    for (int c = 0; c < 3; c++) (*samples[k].pixel.plain)[c] += values[k][c];
   }
   (void)asc_filter_evaluate(of->filter, positions, 2 * taps * count, weights);
-  splat(count, of->side, of->taps, corner, weights, radiance);
+  splat(count, of->side, of->taps, corner, weights, values);
 }
 
 uint32_t film_complete(const film *of, uint32_t row) {

@@ -63,10 +63,10 @@ typedef struct film_pixel {
 /* The cells of pixel (x, y) of a tile. */
 film_pixel film_at(const film *of, uint32_t column, uint32_t row, uint32_t x, uint32_t y);
 
-/* A sample: its own pixel's cells, and where in that pixel it lies, in [0, 1). */
+/* A sample: its own pixel's cells, where in that pixel it lies, in [0, 1), and N times its weight in the pattern. */
 typedef struct film_sample {
   film_pixel pixel;
-  double x, y;
+  double x, y, scale;
 } film_sample;
 
 /* Adds at most FILM_BATCH samples, in their order. */

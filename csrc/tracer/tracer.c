@@ -109,8 +109,6 @@ asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, t
   asc_status status = asc_sampler_resolved(desc->sampler, &sampling);
   if (status || sampling.dimensions < 2)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_render: the sampler needs two dimensions");
-  if (asc_sampler_traits(desc->sampler) & ASC_TRAIT_WEIGHTED)
-    return asc_fail(error, ASC_UNSUPPORTED, "the tracer takes samplers whose points weigh the same");
   crew_cost spent = {0};
   uint64_t samples = 0;
   const double begun = seconds(CLOCK_MONOTONIC);

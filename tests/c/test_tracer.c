@@ -385,7 +385,7 @@ static void samples_stay_within_reach(void **state) {
     for (int place = 0; place < 20; place++) {
       (void)film_begin(&target, 0, 0);
       const film_pixel first = film_at(&target, 0, 0, 0, 0), last = film_at(&target, 0, 0, 15, 15);
-      const film_sample sample = {last, 0.05 * place, 0.05 * place};
+      const film_sample sample = {last, 0.05 * place, 0.05 * place, 1.0};
       const double light[1][3] = {{INFINITY, INFINITY, INFINITY}};
       film_add(&target, 1, &sample, light);
       const int32_t side = (int32_t)target.side, least = side - 2 * target.reach - 1;
