@@ -15,6 +15,10 @@
   X(jittered) \
   X(halton) \
   X(sobol) \
+  X(sgi_8x8) \
+  X(standard_msaa) \
+  X(gauss_legendre) \
+  X(clenshaw_curtis) \
   /* end of the list */
 /* clang-format on */
 
