@@ -19,6 +19,9 @@
   X(standard_msaa) \
   X(gauss_legendre) \
   X(clenshaw_curtis) \
+  X(cook) \
+  X(pan_diagonal) \
+  X(mitchell_spacetime) \
   /* end of the list */
 /* clang-format on */
 
