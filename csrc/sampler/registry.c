@@ -15,6 +15,13 @@
   X(jittered) \
   X(halton) \
   X(sobol) \
+  X(sgi_8x8) \
+  X(standard_msaa) \
+  X(gauss_legendre) \
+  X(clenshaw_curtis) \
+  X(cook) \
+  X(pan_diagonal) \
+  X(mitchell_spacetime) \
   /* end of the list */
 /* clang-format on */
 

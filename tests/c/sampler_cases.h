@@ -20,6 +20,16 @@ static const sampler_case cases[] = {
     {"sobol:scramble=shift", 64, 3},
     {"sobol:scramble=digit", 64, 3},
     {"sobol:scramble=owen", 64, 3},
+    {"sgi-8x8", 8, 2}, /* the most it has */
+    {"standard-msaa", 16, 2},
+    {"gauss-legendre", 64, 3},
+    {"clenshaw-curtis", 64, 3},
+    {"cook", 16, 3},
+    {"cook:centred=1", 16, 3},
+    {"pan-diagonal", 64, 3},
+    {"pan-diagonal:centred=1", 81, 3},
+    {"mitchell-spacetime", 16, 3},
+    {"mitchell-spacetime:centred=1", 64, 3},
     /* end of the list */
 };
 #define CASES (sizeof cases / sizeof *cases)
