@@ -15,6 +15,11 @@
   X(jittered) \
   X(halton) \
   X(sobol) \
+  X(zaremba) \
+  X(larcher_pillichshammer) \
+  X(pmj02) \
+  X(r2) \
+  X(lattice) \
   /* end of the list */
 /* clang-format on */
 

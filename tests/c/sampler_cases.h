@@ -20,6 +20,13 @@ static const sampler_case cases[] = {
     {"sobol:scramble=shift", 64, 3},
     {"sobol:scramble=digit", 64, 3},
     {"sobol:scramble=owen", 64, 3},
+    {"zaremba", 64, 2},
+    {"zaremba:digits=finite", 64, 2},
+    {"larcher-pillichshammer", 64, 2},
+    {"pmj02", 64, 3},
+    {"r2", 64, 3},
+    {"lattice", 55, 2},
+    {"lattice", 64, 3},
     /* end of the list */
 };
 #define CASES (sizeof cases / sizeof *cases)
