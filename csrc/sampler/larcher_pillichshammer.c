@@ -26,14 +26,20 @@ static asc_status larcher_pillichshammer_create(const asc_sampler_config *config
   return ASC_OK;
 }
 
+static inline uint32_t y_digits(uint32_t index) {
+  for (uint32_t step = 1; step < 32; step *= 2) index ^= index >> step;
+  return asc_reverse_bits(index);
+}
+
+/* The indices begin ... begin + 15, `begin` a multiple of 16: y is linear, so they differ by the y of 0 ... 15. */
 ASC_VECTORISE
 static void make_run(const larcher_pillichshammer_state *state, uint32_t begin, double x[ASC_LANES],
                      double y[ASC_LANES]) {
+  static const uint32_t lowest[ASC_LANES] = {0, 8, 12, 4, 14, 6, 2, 10, 15, 7, 3, 11, 1, 9, 13, 5};
+  const uint32_t above = y_digits(begin);
   for (uint32_t i = 0; i < ASC_LANES; i++) {
-    uint32_t parity = begin + i;
-    for (uint32_t step = 1; step < 32; step *= 2) parity ^= parity >> step;
     x[i] = (double)(begin + i) / state->samples;
-    y[i] = (double)asc_reverse_bits(parity) * 0x1p-32;
+    y[i] = (double)(above ^ lowest[i] << 28) * 0x1p-32;
   }
 }
 
