@@ -22,6 +22,11 @@
   X(cook) \
   X(pan_diagonal) \
   X(mitchell_spacetime) \
+  X(zaremba) \
+  X(larcher_pillichshammer) \
+  X(pmj02) \
+  X(r2) \
+  X(lattice) \
   /* end of the list */
 /* clang-format on */
 

@@ -30,6 +30,13 @@ static const sampler_case cases[] = {
     {"pan-diagonal:centred=1", 81, 3},
     {"mitchell-spacetime", 16, 3},
     {"mitchell-spacetime:centred=1", 64, 3},
+    {"zaremba", 64, 2},
+    {"zaremba:digits=finite", 64, 2},
+    {"larcher-pillichshammer", 64, 2},
+    {"pmj02", 64, 3},
+    {"r2", 64, 3},
+    {"lattice", 55, 2},
+    {"lattice", 64, 3},
     /* end of the list */
 };
 #define CASES (sizeof cases / sizeof *cases)
