@@ -15,6 +15,11 @@
   X(jittered) \
   X(halton) \
   X(sobol) \
+  X(latin_square) \
+  X(n_queens) \
+  X(multi_jittered) \
+  X(correlated_multi_jittered) \
+  X(orthogonal_array) \
   /* end of the list */
 /* clang-format on */
 
