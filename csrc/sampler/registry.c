@@ -27,6 +27,11 @@
   X(pmj02) \
   X(r2) \
   X(lattice) \
+  X(latin_square) \
+  X(n_queens) \
+  X(multi_jittered) \
+  X(correlated_multi_jittered) \
+  X(orthogonal_array) \
   /* end of the list */
 /* clang-format on */
 

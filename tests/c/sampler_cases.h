@@ -8,7 +8,13 @@
 typedef struct sampler_case {
   const char *spec;
   uint32_t samples, dimensions;
+  /* Why two dimensions of a pair (0,1), (2,3), ... are not uniform together by the pattern's definition, though each
+   * alone is; else NULL. */
+  const char *biased_in_pairs;
 } sampler_case;
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers" /* most rows say nothing of bias */
 
 static const sampler_case cases[] = {
     {"random", 64, 3},
@@ -37,8 +43,26 @@ static const sampler_case cases[] = {
     {"r2", 64, 3},
     {"lattice", 55, 2},
     {"lattice", 64, 3},
+    {"latin-square", 64, 3},
+    {"latin-square", 64, 2},
+    {"latin-square", 64, 5},
+    {"latin-square:centred=1", 64, 2, .biased_in_pairs = "jumps see the centres of cells only"},
+    {"n-queens", 64, 3, .biased_in_pairs = "fewer solutions have a queen in the corner than elsewhere"},
+    {"n-queens:centred=1", 64, 3, .biased_in_pairs = "the same"},
+    {"n-queens:solution=construction", 64, 3, .biased_in_pairs = "four solutions"},
+    {"multi-jittered", 64, 3},
+    {"multi-jittered", 60, 4},
+    {"correlated-multi-jittered", 64, 3},
+    {"correlated-multi-jittered", 60, 4},
+    {"orthogonal-array", 64, 3},
+    {"orthogonal-array:jitter=jittered", 49, 5},
+    {"orthogonal-array:jitter=correlated", 81, 5},
+    {"orthogonal-array:strength=3", 64, 5},
+    {"orthogonal-array:strength=3,jitter=jittered", 27, 4},
+    {"orthogonal-array:strength=3,jitter=correlated", 27, 4},
     /* end of the list */
 };
+#pragma GCC diagnostic pop
 #define CASES (sizeof cases / sizeof *cases)
 #define MOST_VALUES (100 * 8) /* samples x dimensions of a case */
 

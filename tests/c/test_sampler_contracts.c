@@ -197,6 +197,7 @@ static void check_uniform(const sampler_case *one, const double *drawn) {
     if (statistic > chi_squared_limit(BINS - 1))
       fail_msg("%s: dimension %u is not uniform: chi-squared %g", one->spec, d, statistic);
     for (uint32_t e = 0; e < d; e++) {
+      if (e / 2 == d / 2 && one->biased_in_pairs) continue;
       unsigned both[PAIR_BINS * PAIR_BINS] = {0};
       for (size_t r = 0; r < REALISATIONS; r++) {
         const double *point = drawn + r * dimensions;
@@ -255,7 +256,7 @@ static void randomised_samplers_are_uniform_and_unbiased(void **state) {
       }
     }
     check_uniform(one, drawn);
-    check_unbiased(one, means);
+    if (!one->biased_in_pairs) check_unbiased(one, means);
   }
 }
 
