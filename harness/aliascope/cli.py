@@ -97,7 +97,8 @@ def points(
         str | None, typer.Option(metavar="A,B", help="Which; for statistics and spectrum 0,1 if not said.")
     ] = None,
     realisations: Annotated[
-        int | None, typer.Option(min=1, help="Seeds to average: 1, of a spectrum 10 if the pattern is randomised.")
+        int | None,
+        typer.Option(min=1, max=10000, help="Seeds to average: 1, of a spectrum 10 if the pattern is randomised."),
     ] = None,
     cut_off: Annotated[
         int | None, typer.Option(min=1, max=2048, help="Largest frequency of the spectrum; about 4 sqrt(n).")

@@ -69,15 +69,14 @@ def test_distances_go_over_the_borders() -> None:
 
 
 def test_the_densest_packings_have_their_distance() -> None:
-    # Hexagons fit a torus only nearly: 7 / 4 is 1.01 * sqrt(3), so rows of 8 and 7 of 2 / sqrt(3) = 1.1547 each.
+    # Hexagons do not fit the torus: in 14 rows of 12 the nearest are those of the next row, slightly too near.
     rows, columns = 14, 12
     hexagonal = np.array(
         [((i + 0.5 * (j % 2)) / columns, (j + 0.25) / rows) for j in range(rows) for i in range(columns)]
     )
-    share = point_sets.point_statistics(hexagonal).minimum_distance_share
-    assert share is not None
-    # Stretched from hexagons by (14 / 12) / (2 / sqrt(3)): the nearest lose half as much at most in length.
-    assert 0.99 < share <= 1.0
+    expected = math.hypot(1 / 24, 1 / 14) / math.sqrt(2 / (math.sqrt(3) * 168))
+    assert expected > 0.997
+    assert point_sets.point_statistics(hexagonal).minimum_distance_share == pytest.approx(expected, rel=1e-12)
     face_centred = (np.array([[0, 0, 0], [0, 1, 1], [1, 0, 1], [1, 1, 0]]) + 0.5) / 2.0 % 1.0
     assert point_sets.minimum_distance(face_centred) == pytest.approx(point_sets.densest_distance(4, 3), rel=1e-12)
     assert point_sets.densest_distance(5, 1) == pytest.approx(0.2, rel=1e-15)
@@ -241,6 +240,8 @@ def test_hammersley_in_other_bases_has_t_0(base: int, m: int) -> None:
     assert point_sets.t_value(points, base) == 0
     if base != 4:  # an ulp less, as another order of the same additions may leave it, is the same point
         assert point_sets.t_value(np.maximum(np.nextafter(points, -1.0), 0.0), base) == 0
+    if base != 4:  # but what is clearly below a border is below it
+        assert point_sets.t_value(np.maximum(points - 2.0**-44, 0.0), base) > 0
     # A point that is moved to another interval of length 1 / n leaves its own empty: t is the least for which both
     # intervals are one, found the slow way where that takes no minute.
     moved = points.copy()
@@ -419,6 +420,13 @@ def test_the_statistics_of_the_package() -> None:
     assert found.voronoi_area_minimum == pytest.approx(found.voronoi_area_maximum, rel=1e-9)
     assert found.t_value == 3  # a column of 8 in each of 8 strips, and none in the next finer
     assert found.reasons == {}
+
+
+def test_the_areas_of_the_statistics() -> None:
+    points = uniform(50)
+    areas, found = point_sets.voronoi_areas(points), aliascope.point_statistics(points)
+    assert found.voronoi_area_standard_deviation == pytest.approx(np.sqrt(((areas - 0.02) ** 2).mean()), rel=1e-9)
+    assert (found.voronoi_area_minimum, found.voronoi_area_maximum) == (areas.min(), areas.max())
 
 
 def test_what_points_do_not_have_says_why() -> None:

@@ -193,8 +193,8 @@ def test_points_that_a_file_does_not_have(tmp_path: Path) -> None:
         (("--statistics", "--dimensions", "1,1"), "each once"),
         (("--statistics", "--dimensions", "-1,1"), "of 0 to 1"),
         (("--spectrum", "--dimensions", "0"), "two dimensions"),
-        (("--statistics", "--realisations", "100000"), "1000000 or fewer"),
-        (("--spectrum", "--realisations", "10000000"), "10000000 or fewer"),
+        (("--statistics", "-n", "101", "--realisations", "10000"), "1000000 or fewer"),
+        (("--spectrum", "-n", "1001", "--realisations", "10000"), "10000000 or fewer"),
     ],
 )
 def test_options_that_make_no_sense(options: tuple[str, ...], says: str, tmp_path: Path) -> None:
@@ -274,7 +274,9 @@ def test_rings_without_neighbours_are_dots() -> None:
 @pytest.mark.parametrize("n", [1, 2, 4, 30000])
 def test_drawings_of_few_and_many(n: int, tmp_path: Path) -> None:
     path = tmp_path / "$x_1$.png"
-    pictures.save(pictures.points_figure(aliascope.points("random", n), "$x_1$ 点" * 20, [0, 1], False), path)
+    figure = pictures.points_figure(aliascope.points("random", n), "$x_1$ 点" * 20, [0, 1], False)
+    assert figure.axes[0].collections[0].get_rasterized() == (n == 30000)  # 10 megabytes of SVG else
+    pictures.save(figure, path)
     assert imread(path).shape == (832, 800, 4)
     figure = pictures.spectrum_figure(aliascope.point_spectrum(aliascope.points("random", n), 16), "", "", [0, 1])
     assert isinstance(figure, Figure)

@@ -112,7 +112,6 @@ def _averaged(
     error = each.std(axis=0, ddof=1) / math.sqrt(count) if count > 1 else None
     whole = np.concatenate([power[:0:-1, ::-1], power])
     cut_off = len(radial)
-    whole[cut_off, :cut_off] = whole[cut_off, :cut_off:-1]
     whole[cut_off, cut_off] = 0.0
     return PointSpectrum(whole, np.arange(1, cut_off + 1), radial, error, anisotropy, count, n)
 
