@@ -1,7 +1,8 @@
 """aliascope: how well renderers antialias, and what that costs.
 
 Everything that the commands do can be had from here, with numpy arrays: `aliascope.points("sobol", 16)`,
-`aliascope.render("edge", "embree", "uniform:n=16")`, `aliascope.error(image, reference)`.
+`aliascope.point_statistics(points)`, `aliascope.render("edge", "embree", "uniform:n=16")`,
+`aliascope.error(image, reference)`.
 """
 
 from __future__ import annotations
@@ -9,9 +10,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from aliascope.api import error, load_scene, points, reference, render
+    from aliascope.api import error, load_scene, point_spectrum, point_statistics, points, reference, render
 
-__all__ = ["error", "load_scene", "points", "reference", "render"]
+__all__ = ["error", "load_scene", "point_spectrum", "point_statistics", "points", "reference", "render"]
 
 
 def __getattr__(name: str) -> Any:

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from aliascope import metrics, references, renderers, scene_io
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from aliascope import metrics, point_sets, references, renderers, scene_io
 from aliascope.errors import Unsupported
 from aliascope.native.samplers import points
+from aliascope.point_sets import PointSpectrum, point_statistics
 from aliascope.records import Pixels, Rendering
 from aliascope.references import Reference
 from aliascope.renderers.base import Request, lacks
 from aliascope.scene_io import SceneFile
 
-__all__ = ["error", "load_scene", "points", "reference", "render"]
+__all__ = ["error", "load_scene", "point_spectrum", "point_statistics", "points", "reference", "render"]
 
 
 def load_scene(scene: str) -> SceneFile:
@@ -52,3 +58,16 @@ def reference(scene: str | SceneFile, *, size: tuple[int, int] | None = None) ->
 def error(image: Pixels, reference: Pixels) -> dict[str, float | None]:
     """The metrics of a picture (height, width, channels) against its reference, by name."""
     return {name: measured.value for name, measured in metrics.measure(image, reference).items()}
+
+
+def point_spectrum(points: Any | Iterable[Any], cut_off: int | None = None) -> PointSpectrum:
+    """The power spectrum of points (n, 2) in [0, 1), or the mean of that of several sets of n: (realisations, n, 2).
+
+    Up to frequency `cut_off`, 1 to 2048, if not given about 4 sqrt(n). Raises InvalidInput, Unsupported where the
+    points have not two dimensions. See `aliascope.point_sets.point_spectrum` for the definitions.
+
+    >>> point_spectrum([points("jittered", 64, seed=seed) for seed in range(10)]).radial_power[0] < 0.2
+    True
+    """
+    one = isinstance(points, np.ndarray) and points.ndim == 2
+    return point_sets.point_spectrum([points] if one else points, cut_off)

@@ -1,0 +1,31 @@
+"""The arrays that sets of points come in."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aliascope.errors import InvalidInput
+
+Points = NDArray[np.float64]
+"""(n, d), each value in [0, 1)."""
+
+
+def checked(points: Any) -> Points:
+    """Points as (n, d) float64 of n, d >= 1. Raises InvalidInput: another shape, no numbers, values out of [0, 1)."""
+    try:
+        given = np.asarray(points)
+    except ValueError:  # rows of different lengths
+        raise InvalidInput("points are an array of shape (n, d); these rows differ in length") from None
+    if given.dtype.kind not in "fiu":
+        raise InvalidInput(f"points are real numbers, not {given.dtype}")
+    values = given.astype(np.float64)
+    if values.ndim != 2 or 0 in values.shape:
+        raise InvalidInput(f"points are an array of shape (n, d), not {values.shape}")
+    outside = np.flatnonzero(~((values >= 0.0) & (values < 1.0)).all(axis=1))
+    if outside.size:
+        row = int(outside[0])
+        raise InvalidInput(f"point {row} is not in [0, 1): {', '.join(f'{value:.17g}' for value in values[row])}")
+    return values + 0.0  # no negative zeros, which would be other points than zero

@@ -1,0 +1,39 @@
+"""The distance of the nearest two points."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from aliascope.errors import Unsupported
+from aliascope.point_sets.arrays import checked
+
+
+def minimum_distance(points: Any, toroidal: bool = True) -> float:
+    """The least Euclidean distance of two of the points (n, d), over the borders of the unit cube too if `toroidal`.
+
+    Two points at the same place have 0. A k-d tree: about n log n in few dimensions, n^2 in many. Raises InvalidInput;
+    Unsupported for a single point.
+    """
+    from scipy.spatial import cKDTree  # takes half a second to load, and most commands measure no points
+
+    values = checked(points)
+    if len(values) < 2:
+        raise Unsupported("one point has no distance to another")
+    tree = cKDTree(values, boxsize=np.ones(values.shape[1])) if toroidal else cKDTree(values)
+    distances, _ = tree.query(values, k=2)
+    return float(np.asarray(distances)[:, 1].min())
+
+
+def densest_distance(n: int, dimensions: int = 2) -> float:
+    """The minimum distance that n points of the densest packing have, an upper bound of any n points on the torus.
+
+    1/n on a line; sqrt(2 / (sqrt(3) n)) in the plane, hexagonal (Thue 1910; Fejes Toth 1940); (sqrt(2) / n)^(1/3) in
+    space, face-centred cubic (Hales 2005). A set on the torus is a packing of the whole space, so none exceeds it, and
+    few n reach it. Raises Unsupported for other dimensions.
+    """
+    if dimensions not in (1, 2, 3):
+        raise Unsupported(f"the densest packing is held for 1, 2 and 3 dimensions, not {dimensions}")
+    return {1: 1.0 / n, 2: math.sqrt(2.0 / (math.sqrt(3.0) * n)), 3: math.cbrt(math.sqrt(2.0) / n)}[dimensions]
