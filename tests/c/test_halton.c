@@ -224,26 +224,32 @@ static void permutations_of_nested_digits_are_independent(void **state) {
   asc_sampler_destroy(sampler);
 }
 
-/* Digits past the last of an index, of two points: uniform, and under owen independent, since their prefixes differ. In
- * base 2 place 40, which the hash makes in its second step. Digit scrambling adds the same to both. */
+/* Digits past the last of an index: uniform, and under owen independent of those of two other points, whose prefixes
+ * differ in the first digit or not before the fifth: at the same place and at later ones. In base 2 place 40, which the
+ * hash makes in its second step. Digit scrambling adds the same to all. */
 static void zeros_past_the_last_digit_are_scrambled(void **state) {
   (void)state;
   for (uint32_t d = 0; d < 3; d++) {
     const uint32_t base = primes[d];
     const int place = d == 0 ? 40 : 12;
-    unsigned alone[5] = {0}, both[25] = {0}, shifted[5] = {0};
+    const uint64_t far = (uint64_t)base * base * base * base;
+    unsigned alone[5] = {0}, both[25] = {0}, apart[5][25] = {{0}}, shifted[5] = {0};
     asc_sampler *owen = make("halton:scramble=owen", 1, 3, 21), *digit = make("halton:scramble=digit", 1, 3, 21);
     for (int32_t pixel = 0; pixel < PIXELS; pixel++) {
       double points[2];
       fill(owen, 0, pixel, 6, 2, d, 1, points);
       alone[digit_at(points[0], base, place)]++;
       both[digit_at(points[0], base, place) * base + digit_at(points[1], base, place)]++;
+      fill(owen, 0, pixel, 6 + far, 1, d, 1, points + 1);
+      for (int later = 0; later < 5; later++)
+        apart[later][digit_at(points[0], base, place) * base + digit_at(points[1], base, place + later)]++;
       fill(digit, 0, pixel, 6, 2, d, 1, points);
       shifted[digit_at(points[0], base, place)]++;
       assert_int_equal(digit_at(points[0], base, place), digit_at(points[1], base, place));
     }
     assert_true(fabs(surprise(alone, base)) < 5);
     assert_true(fabs(surprise(both, (size_t)base * base)) < 5);
+    for (int later = 0; later < 5; later++) assert_true(fabs(surprise(apart[later], (size_t)base * base)) < 5);
     assert_true(fabs(surprise(shifted, base)) < 5);
     asc_sampler_destroy(owen);
     asc_sampler_destroy(digit);
