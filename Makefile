@@ -63,10 +63,11 @@ lint: all
 	$(VENV)/bin/lint-imports --no-logo
 	shellcheck harness/*.sh .ci/run
 
-## bench      nanoseconds a point, the tracer's share of bare Embree, the harness's time a job
+## bench      nanoseconds a dimension, SciPy beside, the tracer's share of bare Embree, the harness's time a job
 .PHONY: bench
 bench: all $(C_BENCHES)
 	@for bench in $(C_BENCHES); do $$bench || exit 1; done
+	@$(VENV)/bin/python tests/bench/bench_peers.py
 	@$(VENV)/bin/python tests/bench/bench_harness.py
 
 ## install    the C library, its headers and its pkg-config file, to $(DESTDIR)$(prefix)

@@ -19,8 +19,3 @@ uint64_t asc_exact_root(uint64_t n, uint32_t power) {
     if (power_reaches(k, power, n) == 1) return k;
   return 0;
 }
-
-double asc_rotation(asc_key key, uint32_t dimension) {
-  asc_block block = asc_hash(key, 0, dimension, ASC_PURPOSE_ROTATION);
-  return asc_unit53(block.word[0], block.word[1]);
-}

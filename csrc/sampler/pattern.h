@@ -12,6 +12,29 @@
 /* The k with k^power = n, or 0. */
 uint64_t asc_exact_root(uint64_t n, uint32_t power);
 
+/* A random place in one of `cells` equal cells of [0, 1): ((double)cell + asc_jitter_unit(...)) / cells keeps to its
+ * cell, since the place has only as many digits as keep it exact and its rounded quotient off the next cell. For at
+ * most ASC_JITTER_CELLS cells. */
+#define ASC_JITTER_CELLS ((uint64_t)1 << 48)
+
+typedef struct asc_jitter {
+  uint32_t dropped; /* of 32 bits */
+  double scale;
+} asc_jitter;
+
+static inline asc_jitter asc_jitter_of(uint64_t cells) {
+  asc_jitter jitter = {1, 0x1p-31};
+  for (uint64_t limit = (uint64_t)1 << 20; limit < cells; limit *= 2) {
+    jitter.dropped++;
+    jitter.scale *= 2.0;
+  }
+  return jitter;
+}
+
+static inline double asc_jitter_unit(asc_jitter jitter, uint32_t bits) {
+  return ((double)(int32_t)(bits >> jitter.dropped) + 0.5) * jitter.scale;
+}
+
 /* x + shift modulo 1, for both in [0, 1). */
 static inline double asc_rotate(double x, double shift) {
   double sum = x + shift;
@@ -19,6 +42,8 @@ static inline double asc_rotate(double x, double shift) {
 }
 
 /* The random shift of one dimension of one pixel's pattern (Cranley and Patterson 1976). */
-double asc_rotation(asc_key key, uint32_t dimension);
+static inline double asc_rotation(asc_key key, uint32_t dimension) {
+  return (double)(asc_draw(key, dimension, ASC_PURPOSE_ROTATION) >> 11) * 0x1p-53;
+}
 
 #endif

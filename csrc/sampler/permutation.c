@@ -1,58 +1,108 @@
 #include "permutation.h"
 
-/* A number below `bound` without bias: 64 bits times the bound, high word, rejecting the short tail (Lemire 2019). */
-static uint32_t draw_below(asc_key key, uint32_t index, uint32_t element, uint32_t bound) {
+#include "vectorise.h"
+
+/* --- up to 64: a table ----------------------------------------------------------------------------------------------
+ */
+
+/* A number below `bound` without bias: 32 bits times the bound, high word, rejecting the short tail (Lemire 2019). */
+static uint32_t draw_below(asc_key key, uint32_t index, uint32_t element, uint32_t bits, uint32_t bound) {
   const uint32_t reject_below = (0u - bound) % bound;
-  for (uint32_t attempt = 0;; attempt++) {
-    asc_block block = asc_hash(key, ((uint64_t)attempt << 32) | element, index, ASC_PURPOSE_PERMUTATION);
-    for (int i = 0; i < 4; i++) {
-      uint64_t product = (uint64_t)block.word[i] * bound;
-      if ((uint32_t)product >= reject_below) return (uint32_t)(product >> 32);
-    }
+  uint64_t product = (uint64_t)bits * bound;
+  for (uint64_t attempt = 1; (uint32_t)product < reject_below; attempt++)
+    product = (uint64_t)asc_hash(key, (attempt << 32) | element, index, ASC_PURPOSE_PERMUTATION).word[0] * bound;
+  return (uint32_t)(product >> 32);
+}
+
+static void make_table(asc_permutation *made, uint64_t size, asc_key key, uint32_t index) {
+  made->size = size;
+  asc_lanes bits;
+  asc_hash_lanes(key, 0, index, ASC_PURPOSE_PERMUTATION, &bits);
+  for (uint32_t i = 0; i < size; i++) {
+    const uint32_t j = draw_below(key, index, i, bits.word[i / ASC_LANES][i % ASC_LANES], i + 1);
+    made->table[i] = made->table[j];
+    made->table[j] = (uint8_t)i;
   }
+}
+
+/* --- above: a keyed bijection, walked -------------------------------------------------------------------------------
+ */
+
+ASC_INLINE uint64_t rotate_left(uint64_t x, uint32_t by) { return (x << (by & 63u)) | (x >> ((64u - by) & 63u)); }
+
+/* Rotations, so that small n, which see the low bits, see others in each round. */
+ASC_INLINE uint64_t addend(const asc_permutation *permutation, uint32_t round) {
+  return rotate_left(permutation->addends, 11 * round);
+}
+
+ASC_INLINE uint64_t multiplier(const asc_permutation *permutation, uint32_t round) {
+  return rotate_left(permutation->multipliers, 11 * round) | 1u;
+}
+
+void asc_permutation_key(asc_permutation *made, uint64_t size, uint64_t addends, uint64_t multipliers) {
+  const uint32_t bits = 64 - (uint32_t)__builtin_clzll(size - 1);
+  made->size = size;
+  made->mask = ((uint64_t)1 << bits) - 1;
+  made->shift = (bits + 1) / 2;
+  made->addends = addends;
+  made->multipliers = multipliers;
 }
 
 void asc_permutation_make(asc_permutation *made, uint64_t size, asc_key key, uint32_t index) {
-  made->size = size;
-  made->bits = 2;
-  if (size <= ASC_PERMUTATION_TABLE) {
-    for (uint32_t i = 0; i < size; i++) {
-      uint32_t j = draw_below(key, index, i, i + 1);
-      made->table[i] = made->table[j];
-      made->table[j] = (uint8_t)i;
-    }
-    return;
-  }
-  while (((uint64_t)1 << made->bits) < size) made->bits += 2;
-  for (uint32_t half = 0; half < 2; half++) {
-    asc_block block = asc_hash(key, UINT64_MAX - half, index, ASC_PURPOSE_PERMUTATION);
-    for (uint32_t i = 0; i < 4; i++) made->round_key[4 * half + i] = block.word[i];
-  }
-}
-
-/* The finaliser of MurmurHash3 (Appleby), which mixes every bit of its input into every bit of its output. */
-static uint32_t mix(uint32_t x) {
-  x ^= x >> 16;
-  x *= 0x85ebca6bu;
-  x ^= x >> 13;
-  x *= 0xc2b2ae35u;
-  x ^= x >> 16;
-  return x;
+  if (size <= ASC_PERMUTATION_TABLE)
+    make_table(made, size, key, index);
+  else
+    asc_permutation_key(made, size, asc_draw(key, 2 * index, ASC_PURPOSE_PERMUTATION),
+                        asc_draw(key, 2 * index + 1, ASC_PURPOSE_PERMUTATION));
 }
 
 uint64_t asc_permutation_at(const asc_permutation *permutation, uint64_t element) {
   if (permutation->size <= ASC_PERMUTATION_TABLE) return permutation->table[element];
-  const uint32_t half = permutation->bits / 2;
-  const uint32_t mask = (uint32_t)(((uint64_t)1 << half) - 1);
-  uint64_t x = element;
   do {
-    uint32_t left = (uint32_t)(x >> half), right = (uint32_t)x & mask;
-    for (int round = 0; round < 8; round++) {
-      uint32_t next = (left ^ mix(right ^ permutation->round_key[round])) & mask;
-      left = right;
-      right = next;
+    for (uint32_t round = 0; round < ASC_PERMUTATION_ROUNDS; round++) {
+      element = (element + addend(permutation, round)) * multiplier(permutation, round) & permutation->mask;
+      element ^= element >> permutation->shift;
     }
-    x = ((uint64_t)left << half) | right;
-  } while (x >= permutation->size);
-  return x;
+  } while (element >= permutation->size);
+  return element;
+}
+
+/* The bijection in 32 bits. A round is a chain of dependent steps, so all elements go through one before the next. */
+ASC_INLINE void apply(const asc_permutation *permutation, uint32_t x[ASC_PERMUTATION_RUN]) {
+  const uint32_t mask = (uint32_t)permutation->mask, shift = permutation->shift;
+  for (uint32_t round = 0; round < ASC_PERMUTATION_ROUNDS; round++) {
+    const uint32_t added = (uint32_t)addend(permutation, round), factor = (uint32_t)multiplier(permutation, round);
+    for (int i = 0; i < ASC_PERMUTATION_RUN; i++) {
+      const uint32_t product = (x[i] + added) * factor & mask;
+      x[i] = product ^ (product >> shift);
+    }
+  }
+}
+
+ASC_VECTORISE
+static void walk(const asc_permutation *permutation, uint32_t first, double images[ASC_PERMUTATION_RUN]) {
+  const uint32_t last = (uint32_t)(permutation->size - 1);
+  uint32_t x[ASC_PERMUTATION_RUN], landed[ASC_PERMUTATION_RUN];
+  for (uint32_t i = 0; i < ASC_PERMUTATION_RUN; i++) x[i] = last - first < i ? last : first + i;
+  apply(permutation, x);
+  for (int i = 0; i < ASC_PERMUTATION_RUN; i++) landed[i] = x[i];
+  for (;;) {
+    uint32_t outside = 0;
+    for (int i = 0; i < ASC_PERMUTATION_RUN; i++) outside |= landed[i] > last;
+    if (!outside) break;
+    apply(permutation, x);
+    for (int i = 0; i < ASC_PERMUTATION_RUN; i++) landed[i] = landed[i] > last ? x[i] : landed[i];
+  }
+  /* Signed numbers are what all vector units convert. */
+  for (int i = 0; i < ASC_PERMUTATION_RUN; i++) images[i] = (double)(int32_t)(landed[i] ^ 0x80000000u) + 0x1p31;
+}
+
+void asc_permutation_run(const asc_permutation *permutation, uint64_t first, double images[ASC_PERMUTATION_RUN]) {
+  const uint64_t size = permutation->size;
+  if (size > ASC_PERMUTATION_TABLE && size <= (uint64_t)1 << 32) {
+    walk(permutation, (uint32_t)first, images);
+    return;
+  }
+  for (uint64_t i = 0; i < ASC_PERMUTATION_RUN; i++)
+    images[i] = (double)asc_permutation_at(permutation, size - 1 - first < i ? size - 1 : first + i);
 }

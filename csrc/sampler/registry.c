@@ -6,6 +6,7 @@
 
 #include "pattern.h"
 #include "spec.h"
+#include "vectorise.h"
 
 /* One line a pattern. */
 /* clang-format off */
@@ -32,6 +33,8 @@
   X(multi_jittered) \
   X(correlated_multi_jittered) \
   X(orthogonal_array) \
+  X(hammersley) \
+  X(n_rooks) \
   /* end of the list */
 /* clang-format on */
 
@@ -141,6 +144,46 @@ static int holds(const asc_sampler *sampler, uint64_t first, size_t count) {
   return first <= sampler->made.index_end && count <= sampler->made.index_end - first;
 }
 
+#define LAST_BELOW 0x3fefffffefffffffu /* the bits of the double before 1 - 2^-25 */
+
+/* Moves what would round to 1 as float. */
+static asc_status move_below_one(double *points, size_t count) {
+  int outside = 0;
+  for (size_t i = 0; i < count; i++) {
+    outside |= !(points[i] >= 0.0 && points[i] < 1.0);
+    points[i] = points[i] >= 1.0 - 0x1p-25 ? 1.0 - 0x1p-24 : points[i];
+  }
+  return outside ? ASC_OUT_OF_RANGE : ASC_OK;
+}
+
+/* Nearly no value needs to be looked at closely: the bits of doubles in [0, 1 - 2^-25) are, as integers, those from 0
+ * to below the bits of 1 - 2^-25, so that one of `bits` and `last - bits` is negative for every other double. */
+ASC_VECTORISE
+static int all_are_below(const double *points, size_t count) {
+  int64_t signs = 0;
+  for (size_t i = 0; i < count; i++) {
+    int64_t bits;
+    memcpy(&bits, &points[i], sizeof bits);
+    signs |= bits | (int64_t)(LAST_BELOW - (uint64_t)bits);
+  }
+  return signs >= 0;
+}
+
+/* A few values were written a moment ago, one by one: read back as vectors, they would wait for the memory. */
+static int few_are_below(const double *points, size_t count) {
+  for (size_t i = 0; i < count; i++) {
+    uint64_t bits;
+    memcpy(&bits, &points[i], sizeof bits);
+    if (bits > LAST_BELOW) return 0;
+  }
+  return 1;
+}
+
+static asc_status settle(double *points, size_t count) {
+  const int below = count < 32 ? few_are_below(points, count) : all_are_below(points, count);
+  return below ? ASC_OK : move_below_one(points, count);
+}
+
 asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range *range, double *points) {
   if (!sampler || !range || !points) return ASC_INVALID_ARGUMENT;
   const uint32_t dimensions = sampler->resolved.dimensions;
@@ -150,13 +193,7 @@ asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range *range, 
   if (range->sample_count == 0 || range->dimension_count == 0) return ASC_OK;
   asc_status status = sampler->interface->fill(sampler->made.state, range, points);
   if (status) return status;
-  const size_t total = range->sample_count * range->dimension_count;
-  int outside = 0;
-  for (size_t i = 0; i < total; i++) {
-    outside |= !(points[i] >= 0.0 && points[i] < 1.0);
-    points[i] = points[i] >= 1.0 - 0x1p-25 ? 1.0 - 0x1p-24 : points[i]; /* would round to 1 as float */
-  }
-  return outside ? ASC_OUT_OF_RANGE : ASC_OK;
+  return settle(points, range->sample_count * range->dimension_count);
 }
 
 asc_status asc_sampler_weights(const asc_sampler *sampler, uint64_t first, size_t count, double *weights) {

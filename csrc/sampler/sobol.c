@@ -4,33 +4,36 @@
  * projections" (new-joe-kuo-6). scramble:
  *   shift   each dimension of each pixel moved modulo 1 (Cranley and Patterson 1976)
  *   digit   a random digital shift: the same 32 random bits XOR-ed to all points of a dimension and pixel
- *   owen    nested uniform scrambling (Owen 1995), by a hash in which each bit flips by a function of the bits above it
- *           and of the seed: Laine and Karras 2011, "Stratified sampling for stochastic transparency", with Vegdahl's
- *           constants (2021, "Building a better LK hash"). Any such hash keeps nets nets; the tests hold that.
+ *   owen    nested uniform scrambling (Owen 1995) by the hash of owen.h. Any such hash keeps nets nets; the tests hold
+ *           that.
  * Values have 32 bits: they are multiples of 2^-32 (but for shift). */
 #include <stdlib.h>
 #include <string.h>
 
+#include "owen.h"
 #include "pattern.h"
 #include "sobol_directions.h"
-#include "vectorise.h"
+#include "tile.h"
 
 #define BITS 32
+#define NIBBLES 8
+#define QUAD ASC_TILE_COLUMNS
 
 enum { SCRAMBLE_NONE, SCRAMBLE_SHIFT, SCRAMBLE_DIGIT, SCRAMBLE_OWEN };
 
-/* Points are made ASC_LANES = 16 at a time: `low` are the XORs of the directions of the 16 values of an index's lowest
- * four bits, `direction` those of single bits. */
-typedef struct axis {
-  uint32_t direction[BITS];
-  uint32_t low[ASC_LANES];
-} axis;
+/* Four dimensions. A point's bits are the XOR of the directions of its index's bits: `nibble` has those XORs for the 16
+ * values of each four bits of an index, the four dimensions side by side; `low` has them again for the lowest four
+ * bits, a dimension at a time, since points are also made ASC_LANES = 16 at a time. For owen all are stored reversed.
+ */
+typedef struct quad {
+  uint32_t nibble[NIBBLES][16][QUAD];
+  uint32_t low[QUAD][ASC_LANES];
+} quad;
 
 typedef struct sobol_state {
-  uint64_t seed;
+  uint64_t seed_mix;
   int scramble;
-  uint32_t dimensions;
-  axis axes[];
+  quad quads[];
 } sobol_state;
 
 /* Bratley and Fox 1988, Algorithm 659: m_k = 2 a_1 m_(k-1) ^ ... ^ 2^(s-1) a_(s-1) m_(k-s+1) ^ 2^s m_(k-s) ^ m_(k-s) */
@@ -54,79 +57,125 @@ static void make_directions(uint32_t dimension, uint32_t direction[BITS]) {
   }
 }
 
+static void make_quad(quad *made, uint32_t first_dimension, uint32_t dimensions, int reversed) {
+  memset(made, 0, sizeof *made);
+  for (uint32_t d = 0; d < QUAD && first_dimension + d < dimensions; d++) {
+    uint32_t direction[BITS];
+    make_directions(first_dimension + d, direction);
+    for (uint32_t i = 0; i < 16 * NIBBLES; i++) {
+      uint32_t bits = 0;
+      for (uint32_t bit = 0; bit < 4; bit++)
+        if ((i >> bit) & 1u) bits ^= direction[i / 16 * 4 + bit];
+      made->nibble[i / 16][i % 16][d] = reversed ? asc_reverse_bits(bits) : bits;
+    }
+    for (uint32_t i = 0; i < ASC_LANES; i++) made->low[d][i] = made->nibble[0][i][d];
+  }
+}
+
 static asc_status sobol_create(const asc_sampler_config *config, asc_sampler_state *made, asc_error *error) {
   if (config->dimensions > ASC_SOBOL_DIMENSIONS)
     return asc_fail(error, ASC_UNSUPPORTED, "sobol has at most %d dimensions", ASC_SOBOL_DIMENSIONS);
   if (config->samples > ASC_NET_END)
     return asc_fail(error, ASC_UNSUPPORTED, "sobol has 32 bits, so at most 2^32 points");
-  sobol_state *state = malloc(sizeof *state + config->dimensions * sizeof(axis));
+  const uint32_t quads = (config->dimensions + QUAD - 1) / QUAD;
+  sobol_state *state = malloc(sizeof *state + quads * sizeof(quad));
   if (!state) return asc_fail(error, ASC_OUT_OF_MEMORY, "sobol: out of memory");
-  state->seed = config->seed;
+  state->seed_mix = asc_seed_mix(config->seed);
   state->scramble = (int)config->values[0];
-  state->dimensions = config->dimensions;
-  for (uint32_t d = 0; d < config->dimensions; d++) {
-    axis *along = &state->axes[d];
-    make_directions(d, along->direction);
-    memset(along->low, 0, sizeof along->low);
-    for (uint32_t i = 0; i < ASC_LANES; i++)
-      for (uint32_t bit = 0; bit < 4; bit++)
-        if ((i >> bit) & 1u) along->low[i] ^= along->direction[bit];
-  }
+  for (uint32_t q = 0; q < quads; q++)
+    make_quad(&state->quads[q], q * QUAD, config->dimensions, state->scramble == SCRAMBLE_OWEN);
   const uint32_t randomised = state->scramble == SCRAMBLE_NONE ? 0 : ASC_TRAIT_RANDOMISED;
   *made = (asc_sampler_state){state, ASC_TRAIT_SEQUENCE | randomised, ASC_NET_END};
   return ASC_OK;
 }
 
-static inline uint32_t reverse_bits(uint32_t x) {
-  x = (x >> 16) | (x << 16);
-  x = ((x & 0xff00ff00u) >> 8) | ((x & 0x00ff00ffu) << 8);
-  x = ((x & 0xf0f0f0f0u) >> 4) | ((x & 0x0f0f0f0fu) << 4);
-  x = ((x & 0xccccccccu) >> 2) | ((x & 0x33333333u) << 2);
-  return ((x & 0xaaaaaaaau) >> 1) | ((x & 0x55555555u) << 1);
+/* The random bits of the four dimensions of a quad, for digit and owen. */
+ASC_INLINE void draw_bits(asc_key key, uint32_t quad_index, uint32_t bits[QUAD]) {
+  for (uint32_t d = 0; d < QUAD; d += 2) {
+    const uint64_t drawn = asc_draw(key, (quad_index * QUAD + d) / 2, ASC_PURPOSE_SCRAMBLE);
+    bits[d] = (uint32_t)drawn;
+    bits[d + 1] = (uint32_t)(drawn >> 32);
+  }
 }
 
-/* In the reversed word, multiplications and additions carry upward only: from the leading digits to those below. */
-static inline uint32_t owen_hash(uint32_t x, uint32_t seed) {
-  x = reverse_bits(x);
-  x ^= x * 0x3d20adeau;
-  x += seed;
-  x *= (seed >> 16) | 1u;
-  x ^= x * 0x05526c56u;
-  x ^= x * 0x53a22864u;
-  return reverse_bits(x);
+/* The XOR of the directions of the bits of an index from `first` nibble on. */
+ASC_INLINE void add_directions(const quad *of, uint32_t index, uint32_t first, uint32_t bits[QUAD]) {
+  for (uint32_t k = first; k < NIBBLES; k++)
+    for (uint32_t d = 0; d < QUAD; d++) bits[d] ^= of->nibble[k][(index >> (4 * k)) & 15u][d];
 }
 
-/* The 16 values of indices 16 block ... 16 block + 15, scrambled by XOR or hash, as doubles. */
+/* A word to [0, 1). Signed numbers are what all vector units convert. */
+ASC_INLINE double to_unit(uint32_t bits) { return ((double)(int32_t)(bits ^ 0x80000000u) + 0x1p31) * 0x1p-32; }
+
+/* All four dimensions of one point. */
 ASC_VECTORISE
-static void make_block(const axis *along, uint32_t block, int scramble, uint32_t bits, double values[ASC_LANES]) {
-  uint32_t base = 0;
-  for (uint32_t rest = block, bit = 4; rest; rest >>= 1, bit++)
-    if (rest & 1u) base ^= along->direction[bit];
-  if (scramble == SCRAMBLE_DIGIT) base ^= bits;
-  if (scramble == SCRAMBLE_OWEN)
-    for (int i = 0; i < ASC_LANES; i++) values[i] = (double)owen_hash(base ^ along->low[i], bits) * 0x1p-32;
-  else
-    for (int i = 0; i < ASC_LANES; i++) values[i] = (double)(base ^ along->low[i]) * 0x1p-32;
+static void make_point(const quad *of, uint32_t quad_index, uint32_t index, int scramble, asc_key key,
+                       double values[QUAD]) {
+  uint32_t bits[QUAD] = {0}, random[QUAD];
+  add_directions(of, index, 0, bits);
+  if (scramble == SCRAMBLE_OWEN) {
+    draw_bits(key, quad_index, random);
+    for (uint32_t d = 0; d < QUAD; d++) values[d] = to_unit(asc_owen_hash(bits[d], random[d]));
+  } else if (scramble == SCRAMBLE_DIGIT) {
+    draw_bits(key, quad_index, random);
+    for (uint32_t d = 0; d < QUAD; d++) values[d] = to_unit(bits[d] ^ random[d]);
+  } else {
+    for (uint32_t d = 0; d < QUAD; d++) values[d] = to_unit(bits[d]);
+    if (scramble == SCRAMBLE_SHIFT)
+      for (uint32_t d = 0; d < QUAD; d++) values[d] = asc_rotate(values[d], asc_rotation(key, quad_index * QUAD + d));
+  }
 }
+
+ASC_INLINE void make_column(const uint32_t low[ASC_LANES], uint32_t high, int scramble, uint32_t random, double shift,
+                            double values[ASC_LANES]) {
+  if (scramble == SCRAMBLE_OWEN)
+    for (int i = 0; i < ASC_LANES; i++) values[i] = to_unit(asc_owen_hash(high ^ low[i], random));
+  else if (scramble == SCRAMBLE_SHIFT)
+    for (int i = 0; i < ASC_LANES; i++) values[i] = asc_rotate(to_unit(high ^ low[i]), shift);
+  else
+    for (int i = 0; i < ASC_LANES; i++) values[i] = to_unit(high ^ low[i] ^ random);
+}
+
+/* The columns [begin, end) of one quad of the samples [first, last]. */
+ASC_VECTORISE
+static void make_columns(const quad *of, uint32_t quad_index, int scramble, asc_key key, uint32_t begin, uint32_t end,
+                         uint32_t first, uint32_t last, double *points, size_t stride) {
+  uint32_t random[QUAD] = {0};
+  double shift[QUAD];
+  if (scramble == SCRAMBLE_DIGIT || scramble == SCRAMBLE_OWEN) draw_bits(key, quad_index, random);
+  for (uint32_t d = 0; d < QUAD; d++) shift[d] = asc_rotation(key, quad_index * QUAD + d);
+  for (uint32_t block = first / ASC_LANES; block <= last / ASC_LANES; block++) {
+    asc_tile tile;
+    uint32_t high[QUAD] = {0};
+    add_directions(of, block * ASC_LANES, 1, high);
+    for (uint32_t d = begin; d < end; d++)
+      make_column(of->low[d], high[d], scramble, random[d], shift[d], tile.column[d]);
+    const uint32_t from = block == first / ASC_LANES ? first % ASC_LANES : 0;
+    const uint32_t to = block == last / ASC_LANES ? last % ASC_LANES + 1 : ASC_LANES;
+    asc_tile_write(&tile, begin, end, from, to, points, stride);
+    points += (to - from) * stride;
+  }
+}
+
+#define FEW 4 /* samples that are quicker made one by one than as part of a block */
 
 static asc_status sobol_fill(const void *opaque, const asc_range *range, double *points) {
   const sobol_state *state = opaque;
-  const asc_key key = asc_stream_key(state->seed, range->pixel_x, range->pixel_y);
-  const uint64_t first = range->first_sample, end = first + range->sample_count;
-  for (uint32_t d = 0; d < range->dimension_count; d++) {
-    const uint32_t dimension = range->first_dimension + d;
-    const int shifted = state->scramble == SCRAMBLE_SHIFT;
-    const double shift = shifted ? asc_rotation(key, dimension) : 0.0;
-    const int hashed = state->scramble == SCRAMBLE_DIGIT || state->scramble == SCRAMBLE_OWEN;
-    const uint32_t bits = hashed ? asc_hash(key, 0, dimension, ASC_PURPOSE_SCRAMBLE).word[0] : 0;
-    for (uint64_t block = first / ASC_LANES; block * ASC_LANES < end; block++) {
-      double values[ASC_LANES];
-      make_block(&state->axes[dimension], (uint32_t)block, state->scramble, bits, values);
-      const uint64_t begins = block * ASC_LANES;
-      const uint32_t from = begins < first ? (uint32_t)(first - begins) : 0;
-      const uint32_t to = end - begins < ASC_LANES ? (uint32_t)(end - begins) : ASC_LANES;
-      for (uint32_t i = from; i < to; i++)
-        points[(begins + i - first) * range->dimension_count + d] = shifted ? asc_rotate(values[i], shift) : values[i];
+  const asc_key key = asc_pixel_key(state->seed_mix, range->pixel_x, range->pixel_y);
+  const uint32_t first = (uint32_t)range->first_sample, stride = range->dimension_count;
+  const uint32_t begin = range->first_dimension, end = begin + range->dimension_count;
+  for (uint32_t q = begin / QUAD; q * QUAD < end; q++) {
+    const uint32_t from = q * QUAD < begin ? begin % QUAD : 0, to = end - q * QUAD < QUAD ? end - q * QUAD : QUAD;
+    double *columns = points + (q * QUAD + from - begin);
+    if (range->sample_count > FEW) {
+      make_columns(&state->quads[q], q, state->scramble, key, from, to, first,
+                   (uint32_t)(first + range->sample_count - 1), columns, stride);
+      continue;
+    }
+    for (uint32_t i = 0; i < range->sample_count; i++, columns += stride) {
+      double values[QUAD], *whole = to - from == QUAD ? columns : values;
+      make_point(&state->quads[q], q, first + i, state->scramble, key, whole);
+      if (whole == values) memcpy(columns, values + from, (to - from) * sizeof *values);
     }
   }
   return ASC_OK;

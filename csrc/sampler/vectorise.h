@@ -1,14 +1,30 @@
-/* ASC_VECTORISE before a function compiles it once for each instruction set, chosen when the library is loaded. The
- * functions marked compute with integers, or with floating-point steps that -ffp-contract=off keeps apart, so their
- * bits are the same on each. Sanitizers instrument the choosing function before they are ready, so not under them. */
+/* Several instruction sets from one source, chosen at run time.
+ *
+ * ASC_VECTORISE before a function compiles it once for each, chosen when the library is loaded. The functions marked
+ * compute with integers, or with floating-point steps that -ffp-contract=off keeps apart, so their bits are the same on
+ * each. Sanitizers instrument the choosing function before they are ready, so not under them.
+ *
+ * ASC_HAS_LEVELS: the compiler can also be switched for part of a file, `#pragma GCC target`. */
 #ifndef ASC_VECTORISE_H
 #define ASC_VECTORISE_H
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) &&               \
-    !defined(__SANITIZE_THREAD__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define ASC_HAS_LEVELS 1
+#else
+#define ASC_HAS_LEVELS 0
+#endif
+
+#if ASC_HAS_LEVELS && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define ASC_VECTORISE __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define ASC_VECTORISE
+#endif
+
+/* For the parts that marked functions are made of. */
+#ifdef __GNUC__
+#define ASC_INLINE static inline __attribute__((always_inline))
+#else
+#define ASC_INLINE static inline
 #endif
 
 #endif

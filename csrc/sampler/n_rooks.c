@@ -1,0 +1,130 @@
+/* N rooks: N points of which no two share a row or column of the N x N grid, in any two dimensions; a Latin hypercube.
+ *
+ * Source: Shirley 1991, "Discrepancy as a quality measure for sample distributions",
+ * Eurographics 1991; McKay, Beckman, Conover 1979, "A comparison of three methods for selecting values of input
+ * variables in the analysis of output from a computer code". Point i lies in cell p_d(i) of dimension d, p_d a random
+ * permutation: in the first dimension too, so that each point by itself is uniform in every dimension.
+ *
+ * A uniform place in the cell; centred=1: its centre; corner=1: its lower end, the lattice i/N (which is biased by half
+ * a cell, as the rule of left corners is). */
+#include <stdlib.h>
+
+#include "pattern.h"
+#include "permutation.h"
+#include "tile.h"
+
+#define QUAD ASC_TILE_COLUMNS
+#define RUN ASC_PERMUTATION_RUN
+
+typedef struct n_rooks_state {
+  uint64_t samples, seed_mix;
+  uint32_t dimensions;
+  int jittered;
+  double offset; /* in the cell, where not jittered */
+  asc_jitter jitter;
+} n_rooks_state;
+
+static asc_status n_rooks_create(const asc_sampler_config *config, asc_sampler_state *made, asc_error *error) {
+  const int centred = config->values[0] != 0.0, corner = config->values[1] != 0.0;
+  if (centred && corner)
+    return asc_fail(error, ASC_INVALID_VALUE, "n-rooks: points lie at the centre or the corner: say one of them");
+  if (config->samples > ASC_JITTER_CELLS) return asc_fail(error, ASC_UNSUPPORTED, "n-rooks has at most 2^48 points");
+  n_rooks_state *state = malloc(sizeof *state);
+  if (!state) return asc_fail(error, ASC_OUT_OF_MEMORY, "n-rooks: out of memory");
+  *state = (n_rooks_state){.samples = config->samples,
+                           .seed_mix = asc_seed_mix(config->seed),
+                           .dimensions = config->dimensions,
+                           .jittered = !centred && !corner,
+                           .offset = centred ? 0.5 : 0.0,
+                           .jitter = asc_jitter_of(config->samples)};
+  *made = (asc_sampler_state){state, ASC_TRAIT_RANDOMISED, config->samples};
+  return ASC_OK;
+}
+
+/* The permutations of the dimensions [begin, end) of a quad. */
+static void make_permutations(const n_rooks_state *state, asc_key key, uint32_t quad, uint32_t begin, uint32_t end,
+                              asc_permutation made[QUAD]) {
+  for (uint32_t d = begin; d < end; d++) asc_permutation_make(&made[d], state->samples, key, quad * QUAD + d);
+}
+
+/* One point; the random bits of a sample's four dimensions are one block. */
+static void make_point(const n_rooks_state *state, const asc_permutation *permutations, asc_key key, uint32_t quad,
+                       uint64_t sample, uint32_t begin, uint32_t end, double *point) {
+  asc_block bits = {{0}};
+  if (state->jittered) bits = asc_hash(key, sample, quad, ASC_PURPOSE_STRATUM);
+  for (uint32_t d = begin; d < end; d++) {
+    const double cell = (double)asc_permutation_at(&permutations[d], sample);
+    const double place = state->jittered ? asc_jitter_unit(state->jitter, bits.word[d]) : state->offset;
+    *point++ = (cell + place) / (double)state->samples;
+  }
+}
+
+ASC_INLINE void jitter_column(const double *cells, const uint32_t *bits, double count, asc_jitter jitter,
+                              double *column) {
+  for (int i = 0; i < ASC_LANES; i++) column[i] = (cells[i] + asc_jitter_unit(jitter, bits[i])) / count;
+}
+
+ASC_INLINE void offset_column(const double *cells, double offset, double count, double *column) {
+  for (int i = 0; i < ASC_LANES; i++) column[i] = (cells[i] + offset) / count;
+}
+
+/* The columns [begin, end) of one quad of RUN samples or fewer. */
+ASC_VECTORISE
+static void make_columns(const n_rooks_state *state, asc_key key, uint32_t quad, double (*cells)[RUN], uint64_t first,
+                         uint32_t count, uint32_t begin, uint32_t end, double *points, size_t stride) {
+  for (uint32_t done = 0; done < count; done += ASC_LANES) {
+    asc_tile tile;
+    if (state->jittered) {
+      asc_lanes bits;
+      asc_hash_lanes(key, first + done, quad, ASC_PURPOSE_STRATUM, &bits);
+      for (uint32_t d = begin; d < end; d++)
+        jitter_column(cells[d] + done, bits.word[d], (double)state->samples, state->jitter, tile.column[d]);
+    } else {
+      for (uint32_t d = begin; d < end; d++)
+        offset_column(cells[d] + done, state->offset, (double)state->samples, tile.column[d]);
+    }
+    const uint32_t rows = count - done < ASC_LANES ? count - done : ASC_LANES;
+    asc_tile_write(&tile, begin, end, 0, rows, points + done * stride, stride);
+  }
+}
+
+#define FEW 4 /* samples that are quicker made one by one */
+
+static asc_status n_rooks_fill(const void *opaque, const asc_range *range, double *points) {
+  const n_rooks_state *state = opaque;
+  const asc_key key = asc_pixel_key(state->seed_mix, range->pixel_x, range->pixel_y);
+  const uint32_t low = range->first_dimension, past = low + range->dimension_count;
+  const size_t count = range->sample_count, stride = range->dimension_count;
+  for (uint32_t q = low / QUAD; q * QUAD < past; q++) {
+    const uint32_t begin = q * QUAD < low ? low % QUAD : 0, end = past - q * QUAD < QUAD ? past - q * QUAD : QUAD;
+    double *columns = points + (q * QUAD + begin - low), cells[QUAD][RUN];
+    asc_permutation permutations[QUAD];
+    make_permutations(state, key, q, begin, end, permutations);
+    for (size_t i = 0; i < count && count <= FEW; i++)
+      make_point(state, permutations, key, q, range->first_sample + i, begin, end, columns + i * stride);
+    for (size_t done = 0; done < count && count > FEW; done += RUN) {
+      const uint64_t first = range->first_sample + done;
+      for (uint32_t d = begin; d < end; d++) asc_permutation_run(&permutations[d], first, cells[d]);
+      make_columns(state, key, q, cells, first, count - done < RUN ? (uint32_t)(count - done) : RUN, begin, end,
+                   columns + done * stride, stride);
+    }
+  }
+  return ASC_OK;
+}
+
+static const asc_parameter n_rooks_parameters[] = {
+    {"centred", ASC_INTEGER, NULL, 0, 1, 0, "1: at the centres of the cells"},
+    {"corner", ASC_INTEGER, NULL, 0, 1, 0, "1: at the lower corners of the cells, on the lattice i/N"},
+};
+
+const asc_sampler_interface asc_sampler_n_rooks = {
+    .struct_size = sizeof(asc_sampler_interface),
+    .name = "n-rooks",
+    .title = "a random permutation in each dimension",
+    .source = "Shirley 1991; McKay, Beckman, Conover 1979",
+    .parameters = n_rooks_parameters,
+    .parameter_count = 2,
+    .create = n_rooks_create,
+    .destroy = free,
+    .fill = n_rooks_fill,
+};

@@ -1,0 +1,110 @@
+/* The bits of the patterns, as a digest each: the same from every instruction set (the sanitized variant is compiled
+ * for the oldest alone, others take the newest that the machine has), every compiler and every later version. A pattern
+ * that is changed on purpose gets its new digest here; a new one its first. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "hash.h"
+
+#include "sampler_tools.h"
+
+typedef struct sampler_bits {
+  const char *spec;
+  uint64_t samples;
+  uint32_t dimensions;
+  uint64_t digest;
+} sampler_bits;
+
+static const sampler_bits known[] = {
+    {"random", 200, 7, 0x1ac5604fde4e5fb5u},
+    {"regular", 196, 2, 0x77a69daff9ec31b8u},
+    {"jittered", 196, 7, 0x8e3cba313d701f24u},
+    {"jittered", 36, 5, 0x8e1b19ff621a2f28u},
+    {"halton", 5000, 7, 0x6c1ac23435efc15bu},
+    {"halton:scramble=shift", 5000, 7, 0x9ad0513abf0bc11eu},
+    {"halton:scramble=digit", 5000, 7, 0x1cfd27e2449a13acu},
+    {"halton:scramble=owen", 5000, 40, 0x21dbb99daeef9e4eu},
+    {"sobol", 200, 7, 0xea37937ceb1f8b8du},
+    {"sobol:scramble=shift", 200, 7, 0x80ef6a8a8923ff47u},
+    {"sobol:scramble=digit", 200, 7, 0xc99b8bcdaef491eau},
+    {"sobol:scramble=owen", 200, 7, 0xb506c885efabc2adu},
+    {"hammersley", 200, 7, 0xd3f5b673a7939ffbu},
+    {"hammersley:scramble=shift", 200, 7, 0xcf2b6d18453cba22u},
+    {"hammersley:scramble=digit", 200, 7, 0x7d5adce1b493e92bu},
+    {"hammersley:scramble=owen", 200, 7, 0x63a80fd9095de693u},
+    {"n-rooks", 200, 7, 0x1510defba38715e0u},
+    {"n-rooks", 50, 7, 0x0219a825d21e85a8u},
+    {"n-rooks:centred=1", 200, 7, 0x088f7e7ac0802503u},
+    {"n-rooks:corner=1", 200, 7, 0xc79cdfb7a443cb27u},
+    /* end of the list */
+};
+
+#define MOST_VALUES (5000 * 40)
+static double points[MOST_VALUES];
+
+/* FNV-1a of 64 bits (Fowler, Noll, Vo), over the words of values from the low byte up. */
+static uint64_t add_words(uint64_t digest, size_t count) {
+  for (size_t i = 0; i < count; i++) {
+    uint64_t bits;
+    memcpy(&bits, &points[i], sizeof bits);
+    for (int byte = 0; byte < 8; byte++) digest = (digest ^ ((bits >> (8 * byte)) & 255u)) * 0x100000001b3u;
+  }
+  return digest;
+}
+
+/* Of two pixels in one call each, the second without its first sample and dimension, and of single samples. */
+static uint64_t digest_of(const sampler_bits *one) {
+  const uint64_t n = one->samples;
+  const uint32_t d = one->dimensions;
+  asc_sampler *sampler = make(one->spec, n, d, UINT64_MAX - 2);
+  fill(sampler, 3, -7, 0, (size_t)n, 0, d, points);
+  uint64_t digest = add_words(0xcbf29ce484222325u, (size_t)n * d);
+  fill(sampler, INT32_MAX, INT32_MIN, 1, (size_t)n - 1, 1, d - 1, points);
+  digest = add_words(digest, (size_t)(n - 1) * (d - 1));
+  for (uint64_t i = 0; i < n; i += 13) {
+    fill(sampler, 0, 0, i, 1, 0, d, points);
+    digest = add_words(digest, d);
+  }
+  asc_sampler_destroy(sampler);
+  return digest;
+}
+
+static void every_pattern_keeps_its_bits(void **state) {
+  (void)state;
+  int different = 0;
+  for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
+    const uint64_t digest = digest_of(&known[k]);
+    if (digest == known[k].digest) continue;
+    different++;
+    print_error("%s, N = %llu, %u dimensions: 0x%016llx\n", known[k].spec, (unsigned long long)known[k].samples,
+                known[k].dimensions, (unsigned long long)digest);
+  }
+  assert_int_equal(different, 0);
+}
+
+/* Across a carry into the high word. */
+static void the_hash_is_the_same_on_every_level(void **state) {
+  (void)state;
+  const int levels[] = {0, 3, 4};
+  const asc_key key = asc_stream_key(9, -2, 4);
+  for (size_t k = 0; k < 3; k++) {
+    asc_lanes lanes;
+    if (!asc_hash_lanes_of_level(levels[k], key, UINT32_MAX - 7, 5, ASC_PURPOSE_UNIFORM, &lanes)) continue;
+    for (uint32_t i = 0; i < ASC_LANES; i++) {
+      const asc_block block = asc_hash(key, (uint64_t)UINT32_MAX - 7 + i, 5, ASC_PURPOSE_UNIFORM);
+      for (int word = 0; word < 4; word++) assert_int_equal(lanes.word[word][i], block.word[word]);
+    }
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(the_hash_is_the_same_on_every_level),
+                                     cmocka_unit_test(every_pattern_keeps_its_bits)};
+  return cmocka_run_group_tests_name("sampler bits", tests, NULL, NULL);
+}
