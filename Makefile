@@ -36,10 +36,14 @@ C_TESTS := $(patsubst tests/c/%.c,$(OBJECTS)/%,$(wildcard tests/c/test_*.c))
 C_BENCHES := $(patsubst tests/bench/%.c,$(OBJECTS)/%,$(wildcard tests/bench/bench_*.c))
 BINDINGS := $(BUILD)/bindings.stamp
 PLUGIN := $(BUILD)/plugins/kronecker.so
+# What is installed carries the major version, as programs that were linked with it keep to that ABI. The Python package
+# has its own copy, under a plain name.
+SONAME := libaliascope.so.$(firstword $(subst ., ,$(VERSION)))
+VERSIONED := $(BUILD)/install/libaliascope.so.$(VERSION)
 
 ## all        install what is missing, build the libraries and the command .venv/bin/aliascope
 .PHONY: all
-all: $(BINDINGS) $(PLUGIN)
+all: $(BINDINGS) $(PLUGIN) $(VERSIONED)
 
 ## compare    render the quick profile and write the report
 .PHONY: compare
@@ -73,11 +77,14 @@ bench: all $(C_BENCHES)
 ## install    the C library, its headers and its pkg-config file, to $(DESTDIR)$(prefix)
 prefix ?= /usr/local
 .PHONY: install
-install: all
-	install -d $(DESTDIR)$(prefix)/include/aliascope $(DESTDIR)$(prefix)/lib/pkgconfig
-	install -m 644 csrc/include/aliascope/*.h $(DESTDIR)$(prefix)/include/aliascope
-	install -m 755 $(LIBRARIES)/libaliascope.so $(DESTDIR)$(prefix)/lib
-	printf 'prefix=%s\nName: aliascope\nDescription: sampling patterns and filters\nVersion: %s\nLibs: -L$${prefix}/lib -laliascope -lm\nCflags: -I$${prefix}/include\n' '$(prefix)' '$(VERSION)' >$(DESTDIR)$(prefix)/lib/pkgconfig/aliascope.pc
+install: $(VERSIONED)
+	@install -d $(DESTDIR)$(prefix)/include/aliascope $(DESTDIR)$(prefix)/lib/pkgconfig
+	@install -m 644 csrc/include/aliascope/*.h $(DESTDIR)$(prefix)/include/aliascope
+	@install -m 755 $(VERSIONED) $(DESTDIR)$(prefix)/lib
+	@ln -sf $(notdir $(VERSIONED)) $(DESTDIR)$(prefix)/lib/$(SONAME)
+	@ln -sf $(SONAME) $(DESTDIR)$(prefix)/lib/libaliascope.so
+	@sed 's|@prefix@|$(prefix)|; s|@version@|$(VERSION)|' csrc/aliascope.pc.in >$(DESTDIR)$(prefix)/lib/pkgconfig/aliascope.pc
+	@echo "installed libaliascope $(VERSION) to $(DESTDIR)$(prefix)"
 
 ## clean      remove everything that was built; the results of compare stay
 .PHONY: clean
@@ -115,6 +122,10 @@ SHARED = @$(call say,linking) && $(CC) -shared $(CFLAGS) $(filter %.o,$^) -Wl,--
 $(LIBRARIES)/libaliascope.so: $(SAMPLER_OBJECTS) $(FILTER_OBJECTS) $(WARP_OBJECTS)
 	@mkdir -p $(@D)
 	$(SHARED) -Wl,-soname,libaliascope.so -lm -ldl
+
+$(VERSIONED): $(SAMPLER_OBJECTS) $(FILTER_OBJECTS) $(WARP_OBJECTS)
+	@mkdir -p $(@D)
+	@$(call say,linking) && $(CC) -shared $(CFLAGS) $^ -Wl,--no-undefined -Wl,-soname,$(SONAME) -o $@ -lm -ldl
 
 $(LIBRARIES)/libaliascope-tracer.so: $(TRACER_OBJECTS) $(LIBRARIES)/libaliascope.so
 	$(SHARED) -Wl,-soname,libaliascope-tracer.so -laliascope $(EMBREE) -lm
