@@ -21,7 +21,7 @@ CFLAGS := -std=c11 -O3 -g -fPIC -fvisibility=hidden -ffp-contract=off -pthread $
 ifeq ($(VARIANT),sanitized)
 CFLAGS += -O1 -fno-omit-frame-pointer -fsanitize=address,undefined,float-divide-by-zero,float-cast-overflow -fno-sanitize-recover=all
 endif
-CPPFLAGS := -Icsrc/include -Icsrc/sampler -Icsrc/filter -Icsrc/tracer -Icsrc/raster -DASC_VERSION='"$(VERSION)"' -MMD -MP
+CPPFLAGS := -Icsrc/include -Icsrc/sampler -Icsrc/filter -Icsrc/warp -Icsrc/tracer -Icsrc/raster -DASC_VERSION='"$(VERSION)"' -MMD -MP
 EMBREE := -lembree3
 OSMESA := -lOSMesa
 
@@ -29,16 +29,21 @@ say = echo "  $(1) $@"
 objects = $(patsubst csrc/%.c,$(OBJECTS)/%.o,$(wildcard csrc/$(1)/*.c))
 SAMPLER_OBJECTS := $(call objects,sampler)
 FILTER_OBJECTS := $(call objects,filter)
+WARP_OBJECTS := $(call objects,warp)
 TRACER_OBJECTS := $(call objects,tracer)
 RASTER_OBJECTS := $(call objects,raster)
 C_TESTS := $(patsubst tests/c/%.c,$(OBJECTS)/%,$(wildcard tests/c/test_*.c))
 C_BENCHES := $(patsubst tests/bench/%.c,$(OBJECTS)/%,$(wildcard tests/bench/bench_*.c))
 BINDINGS := $(BUILD)/bindings.stamp
 PLUGIN := $(BUILD)/plugins/kronecker.so
+# What is installed carries the major version, as programs that were linked with it keep to that ABI. The Python package
+# has its own copy, under a plain name.
+SONAME := libaliascope.so.$(firstword $(subst ., ,$(VERSION)))
+VERSIONED := $(BUILD)/install/libaliascope.so.$(VERSION)
 
 ## all        install what is missing, build the libraries and the command .venv/bin/aliascope
 .PHONY: all
-all: $(BINDINGS) $(PLUGIN)
+all: $(BINDINGS) $(PLUGIN) $(VERSIONED)
 
 ## compare    render the quick profile and write the report
 .PHONY: compare
@@ -73,11 +78,14 @@ bench: all $(C_BENCHES)
 ## install    the C library, its headers and its pkg-config file, to $(DESTDIR)$(prefix)
 prefix ?= /usr/local
 .PHONY: install
-install: all
-	install -d $(DESTDIR)$(prefix)/include/aliascope $(DESTDIR)$(prefix)/lib/pkgconfig
-	install -m 644 csrc/include/aliascope/*.h $(DESTDIR)$(prefix)/include/aliascope
-	install -m 755 $(LIBRARIES)/libaliascope.so $(DESTDIR)$(prefix)/lib
-	printf 'prefix=%s\nName: aliascope\nDescription: sampling patterns and filters\nVersion: %s\nLibs: -L$${prefix}/lib -laliascope -lm\nCflags: -I$${prefix}/include\n' '$(prefix)' '$(VERSION)' >$(DESTDIR)$(prefix)/lib/pkgconfig/aliascope.pc
+install: $(VERSIONED)
+	@install -d $(DESTDIR)$(prefix)/include/aliascope $(DESTDIR)$(prefix)/lib/pkgconfig
+	@install -m 644 csrc/include/aliascope/*.h $(DESTDIR)$(prefix)/include/aliascope
+	@install -m 755 $(VERSIONED) $(DESTDIR)$(prefix)/lib
+	@ln -sf $(notdir $(VERSIONED)) $(DESTDIR)$(prefix)/lib/$(SONAME)
+	@ln -sf $(SONAME) $(DESTDIR)$(prefix)/lib/libaliascope.so
+	@sed 's|@prefix@|$(prefix)|; s|@version@|$(VERSION)|' csrc/aliascope.pc.in >$(DESTDIR)$(prefix)/lib/pkgconfig/aliascope.pc
+	@echo "installed libaliascope $(VERSION) to $(DESTDIR)$(prefix)"
 
 ## clean      remove everything that was built; the results of compare stay
 .PHONY: clean
@@ -112,9 +120,13 @@ $(OBJECTS)/%.o: csrc/%.c Makefile | $(BUILD)/system.stamp
 # The libraries are the release variant's; each names the folder it lies in as where to look for the others.
 SHARED = @$(call say,linking) && $(CC) -shared $(CFLAGS) $(filter %.o,$^) -Wl,--no-undefined -Wl,-rpath,'$$ORIGIN' -L$(LIBRARIES) -o $@
 
-$(LIBRARIES)/libaliascope.so: $(SAMPLER_OBJECTS) $(FILTER_OBJECTS)
+$(LIBRARIES)/libaliascope.so: $(SAMPLER_OBJECTS) $(FILTER_OBJECTS) $(WARP_OBJECTS)
 	@mkdir -p $(@D)
 	$(SHARED) -Wl,-soname,libaliascope.so -lm -ldl
+
+$(VERSIONED): $(SAMPLER_OBJECTS) $(FILTER_OBJECTS) $(WARP_OBJECTS)
+	@mkdir -p $(@D)
+	@$(call say,linking) && $(CC) -shared $(CFLAGS) $^ -Wl,--no-undefined -Wl,-soname,$(SONAME) -o $@ -lm -ldl
 
 $(LIBRARIES)/libaliascope-tracer.so: $(TRACER_OBJECTS) $(LIBRARIES)/libaliascope.so
 	$(SHARED) -Wl,-soname,libaliascope-tracer.so -laliascope $(EMBREE) -lm
@@ -144,11 +156,11 @@ c-tests: $(C_TESTS)
 	@for test in $(C_TESTS); do LSAN_OPTIONS=suppressions=tests/c/leaks.supp:print_suppressions=0 $$test || exit 1; done
 
 # Tests link the objects, to reach what is hidden.
-$(OBJECTS)/test_%: tests/c/test_%.c $(SAMPLER_OBJECTS) $(FILTER_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
+$(OBJECTS)/test_%: tests/c/test_%.c $(SAMPLER_OBJECTS) $(FILTER_OBJECTS) $(WARP_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
 	@$(call say,compiling)
 	@$(CC) $(CFLAGS) $(CPPFLAGS) -MF $@.d $< $(filter %.o,$^) -o $@ $(EMBREE) $(OSMESA) -lcmocka -lm -ldl
 
-$(OBJECTS)/bench_%: tests/bench/bench_%.c $(SAMPLER_OBJECTS) $(FILTER_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
+$(OBJECTS)/bench_%: tests/bench/bench_%.c $(SAMPLER_OBJECTS) $(FILTER_OBJECTS) $(WARP_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
 	@$(call say,compiling)
 	@$(CC) $(CFLAGS) $(CPPFLAGS) -MF $@.d $< $(filter %.o,$^) -o $@ $(EMBREE) $(OSMESA) -lm -ldl
 

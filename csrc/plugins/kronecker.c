@@ -1,7 +1,13 @@
-/* An example of a sampler as a plugin: copy this file, and put your pattern in its place.
+/* An example of a sampler as a plugin: copy this file, and put your pattern in its place. After `make install`,
  *
- *     cc -shared -fPIC -O2 kronecker.c -o kronecker.so $(pkg-config --cflags aliascope)
- *     aliascope --plugin ./kronecker.so points kronecker -n 16
+ *     cc -shared -fPIC -O2 kronecker.c -o kronecker.so $(pkg-config --cflags aliascope) -lm
+ *     aliascope plugin check ./kronecker.so
+ *
+ * compile it and check that it keeps to every contract of plugin.h, which says what each function below is given and
+ * owes; where pkg-config finds no aliascope, export PKG_CONFIG_PATH=PREFIX/lib/pkgconfig. Only headers are needed: the
+ * library is there when the plugin is loaded. From then on every command takes it:
+ *
+ *     aliascope --plugin ./kronecker.so points kronecker:shift=0.25 -n 16
  *     aliascope compare --plugin ./kronecker.so
  *
  * The pattern: Kronecker's sequence, (frac(shift + i sqrt 2), frac(shift + i sqrt 3), frac(shift + i sqrt 5), ...),

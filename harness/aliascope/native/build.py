@@ -18,10 +18,16 @@ SOURCE = HERE.parents[2] / "csrc"
 INCLUDE = [SOURCE / "include", SOURCE / "tracer", SOURCE / "raster"]
 
 MODULES = {
-    "_sampler": ("aliascope", ["aliascope/plugin.h", "aliascope/filter.h"]),
+    "_sampler": ("aliascope", ["aliascope/plugin.h", "aliascope/filter.h", "aliascope/warp.h"]),
     "_tracer": ("aliascope-tracer", ["tracer.h"]),
     "_raster": ("aliascope-raster", ["raster.h"]),
 }
+
+
+CONSTANTS = {
+    "_sampler": "static const uint32_t ASC_ABI_VERSION; static char *const ASC_SAMPLER_INTERFACE_ID;",
+}
+"""Macros that Python reads: the preprocessor leaves nothing of them. The compiler fills in their values."""
 
 
 def declarations(headers: list[str]) -> str:
@@ -43,7 +49,7 @@ def main() -> None:
     scratch = Path(sys.argv[1])
     for name, (library, headers) in MODULES.items():
         builder = FFI()
-        builder.cdef(declarations(headers))
+        builder.cdef(declarations(headers) + CONSTANTS.get(name, ""))
         builder.set_source(
             f"aliascope.native.{name}",
             "".join(f'#include "{header}"\n' for header in headers),
