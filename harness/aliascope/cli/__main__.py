@@ -1,0 +1,3 @@
+from aliascope.cli import main
+
+main()

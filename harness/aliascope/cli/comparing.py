@@ -1,0 +1,76 @@
+"""The command compare."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from aliascope.cli.shared import Json, Size, app, print_json, size_of
+from aliascope.errors import InvalidInput
+
+
+@app.command(epilog="Example: aliascope compare edge discs -r embree -r povray --profile quick -o results")
+def compare(
+    scenes: Annotated[
+        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, TOML files.")
+    ] = None,
+    renderer: Annotated[list[str] | None, typer.Option("-r", help="Renderer; may stand several times.")] = None,
+    mode: Annotated[
+        list[str] | None, typer.Option("-m", help="Mode, or a pattern of the profile's; may stand several times.")
+    ] = None,
+    profile: Annotated[str, typer.Option(help="quick or full.")] = "quick",
+    out: Annotated[Path, typer.Option("-o", metavar="DIR")] = Path("aliascope-results"),
+    processes: Annotated[
+        int, typer.Option("-j", min=1, max=64, help="Jobs side by side; more than 1 inflates their times.")
+    ] = 1,
+    size: Size = None,
+    time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that one job may take.")] = 120.0,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be rendered, and end.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on in a folder that must be there already.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Render scenes with all renderers and modes, measure them, and write a report.
+
+    Pictures that the folder already has are not rendered again.
+    """
+    from aliascope.studies import selection
+
+    if resume and not (out / "results.sqlite").is_file():
+        raise InvalidInput(f"{out}: has no results to resume; leave --resume out to begin")
+    plan = selection.plan_of(scenes or [], renderer or [], mode or [], profile, size_of(size))
+    if dry_run:
+        _dry_run(plan, as_json)
+        return
+    from aliascope.pipeline import Options
+    from aliascope.studies import compare as study
+    from aliascope.studies.progress import progress_bar
+
+    command = shlex.join(["aliascope", *sys.argv[1:]])
+    with progress_bar() as progress:
+        result = study.compare(
+            plan, out, Options(processes, time_limit), command, progress, lambda text: typer.echo(text, err=True)
+        )
+    summary = study.summary(result, plan)
+    if as_json:
+        print_json(summary)
+    else:
+        for line in study.summary_lines(result, plan):
+            typer.echo(line)
+    if summary["failed"]:
+        raise typer.Exit(4)
+
+
+def _dry_run(plan: Any, as_json: bool) -> None:
+    if as_json:
+        jobs = [{"scene": j.scene, "renderer": j.renderer, "mode": j.mode, "seed": j.seed} for j in plan.jobs]
+        print_json({"jobs": jobs, "skipped": dict(plan.skipped)})
+        return
+    for job in sorted(plan.jobs, key=lambda job: (job.scene, job.renderer, job.mode, job.seed)):
+        typer.echo(f"{job.scene}  {job.renderer}  {job.mode}  seed {job.seed}")
+    typer.echo(f"{len(plan.jobs)} pictures")
+    for name, reason in plan.skipped.items():
+        typer.echo(f"skipped {name}: {reason}")

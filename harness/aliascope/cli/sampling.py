@@ -1,0 +1,78 @@
+"""The commands about sampling patterns."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from aliascope.cli.shared import Json, Seed, app, print_json
+from aliascope.errors import InvalidInput
+
+
+@app.command(epilog="Example: aliascope points sobol:scramble=owen -n 64 --spectrum -o spectrum.svg")
+def points(
+    sampler: Annotated[
+        str, typer.Argument(metavar="SAMPLER|FILE", help="Spec; see aliascope list samplers. Or a .csv or .npy file.")
+    ],
+    n: Annotated[int | None, typer.Option("-n", min=1, max=2**53, help="How many points.")] = None,
+    d: Annotated[int | None, typer.Option("-d", min=1, max=65536, help="Dimensions of the pattern, 2.")] = None,
+    seed: Seed = 0,
+    pixel: Annotated[str, typer.Option(metavar="X,Y", help="Of which pixel.")] = "0,0",
+    first: Annotated[int, typer.Option(min=0, max=2**53, help="Index of the first point.")] = 0,
+    weights: Annotated[bool, typer.Option("--weights", help="A last column with the weight of each point.")] = False,
+    statistics: Annotated[
+        bool, typer.Option("--statistics", help="Minimum distance, Voronoi areas, t of a net instead.")
+    ] = False,
+    spectrum: Annotated[
+        bool, typer.Option("--spectrum", help="Radial mean power and anisotropy, in dB, by frequency instead.")
+    ] = False,
+    dimensions: Annotated[
+        str | None, typer.Option(metavar="A,B", help="Which; for statistics and spectrum 0,1 if not said.")
+    ] = None,
+    realisations: Annotated[
+        int | None,
+        typer.Option(min=1, max=10000, help="Seeds to average: 1, of a spectrum 10 if the pattern is randomised."),
+    ] = None,
+    cut_off: Annotated[
+        int | None, typer.Option(min=1, max=2048, help="Largest frequency of the spectrum; about 4 sqrt(n).")
+    ] = None,
+    base: Annotated[int | None, typer.Option(min=2, max=1 << 20, help="Of the net whose t is a statistic, 2.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", metavar="FILE", help="A .csv, .npy (the spectrum in two dimensions), .svg or .png instead."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Print the points of a sampling pattern: CSV, no header, 17 significant digits. Or their statistics, or spectrum.
+
+    With -o a .svg or .png is a drawing: of the first two dimensions, a third as colour, or of the spectrum.
+    """
+    from aliascope.studies import points as study
+    from aliascope.studies.point_source import open_source
+
+    asked = study.Asked(weights, statistics, spectrum, dimensions, realisations, cut_off, base, out)
+    asked.check()
+    source = open_source(sampler, n, d, seed, _pixel(pixel), first)
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # a reader that has enough, as `| head`, ends us without a word
+    found = study.answer(asked, source)
+    if out is not None:
+        found.write(out)
+    if as_json:
+        print_json(found.document())
+    elif out is None:
+        for text in found.texts():
+            sys.stdout.write(text)
+
+
+def _pixel(text: str) -> tuple[int, int]:
+    try:
+        x, y = (int(part) for part in text.split(","))
+    except ValueError:
+        raise InvalidInput(f'--pixel "{text}" is not of the form X,Y') from None
+    if not all(-(2**31) <= value < 2**31 for value in (x, y)):
+        raise InvalidInput(f"--pixel {text}: coordinates have 32 bits")
+    return x, y
