@@ -80,7 +80,7 @@ prefix ?= /usr/local
 .PHONY: install
 install: $(VERSIONED)
 	@install -d $(DESTDIR)$(prefix)/include/aliascope $(DESTDIR)$(prefix)/lib/pkgconfig
-	@install -m 644 csrc/include/aliascope/*.h $(DESTDIR)$(prefix)/include/aliascope
+	@install -m 644 $(filter-out %/scene.h,$(wildcard csrc/include/aliascope/*.h)) $(DESTDIR)$(prefix)/include/aliascope
 	@install -m 755 $(VERSIONED) $(DESTDIR)$(prefix)/lib
 	@ln -sf $(notdir $(VERSIONED)) $(DESTDIR)$(prefix)/lib/$(SONAME)
 	@ln -sf $(SONAME) $(DESTDIR)$(prefix)/lib/libaliascope.so
