@@ -1,11 +1,12 @@
 /* The library's one source of randomness: counter-based hashes, so that a value can be had without those before it.
  *
- *   asc_hash   Philox4x32-10: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011; for
- *              what is drawn for each sample. It passes the BigCrush battery of TestU01 (L'Ecuyer and Simard 2007)
- *              with 10 rounds, and with as few as 7. Counter: (sample, index, purpose).
- *   asc_draw   SplitMix64: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014; for what
- *              is drawn once for a pixel and dimension: a shift, the seed of a scrambling or a permutation. It passes
- *              BigCrush too, and takes a quarter of the time, which counts where samples are asked for one by one.
+ *   asc_hash   Philox4x32-10: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011. It
+ *              passes the BigCrush battery of TestU01 (L'Ecuyer and Simard 2007) with 10 rounds, and with as few as 7.
+ *              Counter: (sample, index, purpose). For random points, and wherever much is drawn.
+ *   asc_draw   SplitMix64: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014. It passes
+ *              BigCrush too, and takes a seventh of the time, which counts where samples are asked for one by one. For
+ *              what is drawn once for a pixel and dimension (a shift, the seed of a scrambling or a permutation), and
+ *              for places in cells.
  *
  * The 64-bit key of both is itself hashed from (seed, pixel x, pixel y). `index` counts dimensions or pairs of them and
  * `purpose` keeps different uses apart. */
@@ -82,6 +83,9 @@ static inline uint64_t asc_draw(asc_key key, uint32_t index, uint32_t purpose) {
   const uint64_t start = ((uint64_t)key.word[1] << 32) | key.word[0];
   return asc_mix64(start + (((uint64_t)purpose << 32) + index + 1) * ASC_GOLDEN);
 }
+
+/* 64 random bits of one sample in the sequence that starts with a drawn number. */
+static inline uint64_t asc_draw_at(uint64_t start, uint64_t sample) { return asc_mix64(start + sample * ASC_GOLDEN); }
 
 /* [0, 1) in steps of 2^-53. */
 static inline double asc_unit53(uint32_t high, uint32_t low) {

@@ -7,23 +7,27 @@
 #undef PRODUCT
 #undef IOTA
 #undef LOW_HALVES
+#undef HIGH_HALVES
 #if defined(__AVX512F__)
 #define WIDTH 8
 #define PRODUCT(a, b) ((wide)_mm512_mul_epu32((__m512i)(a), (__m512i)(b)))
 #define IOTA                                                                                                           \
   { 0, 1, 2, 3, 4, 5, 6, 7 }
 #define LOW_HALVES 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30
+#define HIGH_HALVES 1, 1, 3, 3, 5, 5, 7, 7, 9, 9, 11, 11, 13, 13, 15, 15
 #elif defined(__AVX2__)
 #define WIDTH 4
 #define PRODUCT(a, b) ((wide)_mm256_mul_epu32((__m256i)(a), (__m256i)(b)))
 #define IOTA                                                                                                           \
   { 0, 1, 2, 3 }
 #define LOW_HALVES 0, 2, 4, 6, 8, 10, 12, 14
+#define HIGH_HALVES 1, 1, 3, 3, 5, 5, 7, 7
 #else
 #define WIDTH 2
 #define IOTA                                                                                                           \
   { 0, 1 }
 #define LOW_HALVES 0, 2, 4, 6
+#define HIGH_HALVES 1, 1, 3, 3
 #if ASC_HAS_LEVELS
 #define PRODUCT(a, b) ((wide)_mm_mul_epu32((__m128i)(a), (__m128i)(b)))
 #else
@@ -45,12 +49,14 @@ static void LANES_FUNCTION(asc_key key, uint64_t first, uint32_t index, uint32_t
       c[3][j] = zero + purpose;
     }
     uint32_t k0 = key.word[0], k1 = key.word[1];
+    /* A round waits for a product, the move of its high half (any unit can shuffle, few can shift), one exclusive or.
+     */
     for (int round = 0; round < ROUNDS; round++) {
       for (int j = 0; j < 2; j++) {
         const wide p0 = PRODUCT(c[0][j], m0), p1 = PRODUCT(c[2][j], m1);
-        c[0][j] = (p1 >> 32) ^ c[1][j] ^ k0;
+        c[0][j] = (wide)__builtin_shufflevector((packed)p1, (packed)p1, HIGH_HALVES) ^ (c[1][j] ^ k0);
         c[1][j] = p1;
-        c[2][j] = (p0 >> 32) ^ c[3][j] ^ k1;
+        c[2][j] = (wide)__builtin_shufflevector((packed)p0, (packed)p0, HIGH_HALVES) ^ (c[3][j] ^ k1);
         c[3][j] = p0;
       }
       k0 += WEYL_0;

@@ -94,6 +94,7 @@ static run begin_run(const asc_inverse_pattern *pattern, uint32_t dimension, uin
 }
 
 ASC_INLINE void rotate_column(double shift, double column[ASC_LANES]) {
+  ASC_LANES_LOOP
   for (int i = 0; i < ASC_LANES; i++) column[i] = asc_rotate(column[i], shift);
 }
 
@@ -105,9 +106,11 @@ ASC_INLINE void inverse_column(run *at, double column[ASC_LANES]) {
   const double head = at->head, next = wraps ? asc_radical_inverse(radix, at->high + 1) : head, divisor = chunk;
   if (radix->reversed) {
     const uint16_t *reversed = radix->reversed + low;
+    ASC_LANES_LOOP
     for (uint32_t i = 0; i < ASC_LANES; i++)
       column[i] = ((double)reversed[i] + (low + i < chunk ? head : next)) / divisor;
   } else {
+    ASC_LANES_LOOP
     for (uint32_t i = 0; i < ASC_LANES; i++) {
       const double digit = (double)(int32_t)(low + i < chunk ? low + i : low + i - chunk);
       column[i] = (digit + (low + i < chunk ? head : next)) / divisor;
@@ -120,6 +123,7 @@ ASC_INLINE void inverse_column(run *at, double column[ASC_LANES]) {
 
 ASC_INLINE void leading_column(uint64_t index, uint64_t samples, double column[ASC_LANES]) {
   const double first = (double)index;
+  ASC_LANES_LOOP
   for (int i = 0; i < ASC_LANES; i++) column[i] = (first + (double)i) / (double)samples;
 }
 

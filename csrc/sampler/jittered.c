@@ -13,9 +13,10 @@
 #define RUN ASC_PERMUTATION_RUN
 
 typedef struct jittered_state {
-  uint64_t samples, seed_mix, side;
-  double per_side;
+  uint64_t samples, seed_mix;
+  double side;
   uint32_t dimensions;
+  int paired;                     /* at most two dimensions: two samples share a block of random bits */
   asc_jitter in_cell, in_stratum; /* of the k x k, and of the N of a dimension without a partner */
 } jittered_state;
 
@@ -29,8 +30,7 @@ static asc_status jittered_create(const asc_sampler_config *config, asc_sampler_
   if (!state) return asc_fail(error, ASC_OUT_OF_MEMORY, "jittered: out of memory");
   *state = (jittered_state){.samples = config->samples,
                             .seed_mix = asc_seed_mix(config->seed),
-                            .side = side,
-                            .per_side = side ? 1.0 / (double)side : 0.0,
+                            .side = (double)side,
                             .dimensions = config->dimensions,
                             .in_cell = asc_jitter_of(side),
                             .in_stratum = asc_jitter_of(config->samples)};
@@ -38,44 +38,44 @@ static asc_status jittered_create(const asc_sampler_config *config, asc_sampler_
   return ASC_OK;
 }
 
-/* Four dimensions, two pairs: the random bits of a sample's two cells are one block. */
+/* Four dimensions, two pairs. */
 typedef struct quad {
-  uint32_t index;
-  int alone[2]; /* the pair lacks its second dimension */
+  int shuffled[2], alone[2]; /* whether the pair is; whether it lacks its second dimension */
+  uint64_t start[2];         /* of the random bits of its samples */
   asc_permutation shuffle[2];
 } quad;
 
 static void make_quad(const jittered_state *state, asc_key key, uint32_t index, quad *made) {
-  made->index = index;
   for (uint32_t half = 0; half < 2; half++) {
     const uint32_t pair = 2 * index + half;
     made->alone[half] = 2 * pair + 1 == state->dimensions;
-    if (pair > 0 && 2 * pair < state->dimensions) asc_permutation_make(&made->shuffle[half], state->samples, key, pair);
+    made->shuffled[half] = pair > 0 && 2 * pair < state->dimensions;
+    made->start[half] = asc_draw(key, pair, ASC_PURPOSE_STRATUM);
+    if (made->shuffled[half]) asc_permutation_make(&made->shuffle[half], state->samples, key, pair);
   }
 }
 
-/* The whole part of cell / side. The half keeps the product away from whole numbers: by half a 2^24th, where its
- * rounding errors stay below 2^-26. */
+/* The whole part of cell / side, for the inverse of the side. The half keeps the product away from whole numbers: by
+ * half a 2^24th, where its rounding errors stay below 2^-26. */
 ASC_INLINE double row_of(double cell, double per_side) { return (double)(int32_t)((cell + 0.5) * per_side); }
 
 /* --- one point ------------------------------------------------------------------------------------------------------
  */
 
 /* The dimensions [begin, end) of the quad. */
-static void make_point(const jittered_state *state, const quad *of, asc_key key, uint64_t sample, uint32_t begin,
-                       uint32_t end, double *point) {
-  const asc_block bits = asc_hash(key, sample, of->index, ASC_PURPOSE_STRATUM);
-  const double side = (double)state->side;
+static void make_point(const jittered_state *state, const quad *of, uint64_t sample, uint32_t begin, uint32_t end,
+                       double *point) {
   for (uint32_t half = begin / 2; 2 * half < end; half++) {
-    const uint32_t x = 2 * half, y = x + 1;
-    const double cell = (double)(2 * of->index + half > 0 ? asc_permutation_at(&of->shuffle[half], sample) : sample);
+    const uint64_t bits = asc_draw_at(of->start[half], sample);
+    const uint32_t bits_x = (uint32_t)(bits >> 32), bits_y = (uint32_t)bits;
+    const double cell = (double)(of->shuffled[half] ? asc_permutation_at(&of->shuffle[half], sample) : sample);
     if (of->alone[half]) {
-      *point = (cell + asc_jitter_unit(state->in_stratum, bits.word[x])) / (double)state->samples;
+      *point = asc_jitter_place(state->in_stratum, cell, bits_x);
       return;
     }
-    const double row = row_of(cell, state->per_side);
-    if (x >= begin) *point++ = (cell - row * side + asc_jitter_unit(state->in_cell, bits.word[x])) / side;
-    if (y < end) *point++ = (row + asc_jitter_unit(state->in_cell, bits.word[y])) / side;
+    const double row = row_of(cell, state->in_cell.per_cell);
+    if (2 * half >= begin) *point++ = asc_jitter_place(state->in_cell, cell - row * state->side, bits_x);
+    if (2 * half + 1 < end) *point++ = asc_jitter_place(state->in_cell, row, bits_y);
   }
 }
 
@@ -84,53 +84,53 @@ static void make_point(const jittered_state *state, const quad *of, asc_key key,
 
 ASC_INLINE void cell_columns(const jittered_state *state, const double *cells, const uint32_t *bits_x,
                              const uint32_t *bits_y, double *column_x, double *column_y) {
-  const double side = (double)state->side, per_side = state->per_side;
+  const double side = state->side;
   const asc_jitter jitter = state->in_cell;
+  ASC_LANES_LOOP
   for (int i = 0; i < ASC_LANES; i++) {
-    const double row = row_of(cells[i], per_side);
-    column_x[i] = (cells[i] - row * side + asc_jitter_unit(jitter, bits_x[i])) / side;
-    column_y[i] = (row + asc_jitter_unit(jitter, bits_y[i])) / side;
+    const double row = row_of(cells[i], jitter.per_cell);
+    column_x[i] = asc_jitter_place(jitter, cells[i] - row * side, bits_x[i]);
+    column_y[i] = asc_jitter_place(jitter, row, bits_y[i]);
   }
 }
 
-ASC_INLINE void stratum_column(const double *strata, const uint32_t *bits, double count, asc_jitter jitter,
-                               double *column) {
-  for (int i = 0; i < ASC_LANES; i++) column[i] = (strata[i] + asc_jitter_unit(jitter, bits[i])) / count;
+ASC_INLINE void stratum_column(asc_jitter jitter, const double *strata, const uint32_t *bits, double *column) {
+  ASC_LANES_LOOP
+  for (int i = 0; i < ASC_LANES; i++) column[i] = asc_jitter_place(jitter, strata[i], bits[i]);
 }
 
 /* The columns [begin, end) of one quad of RUN samples or fewer. */
 ASC_VECTORISE
-static void make_columns(const jittered_state *state, const quad *of, asc_key key, double (*cells)[RUN], uint64_t first,
+static void make_columns(const jittered_state *state, const quad *of, double (*cells)[RUN], uint64_t first,
                          uint32_t count, uint32_t begin, uint32_t end, double *points, size_t stride) {
   for (uint32_t done = 0; done < count; done += ASC_LANES) {
-    asc_lanes bits;
     asc_tile tile;
-    asc_hash_lanes(key, first + done, of->index, ASC_PURPOSE_STRATUM, &bits);
-    for (uint32_t half = begin / 2; 2 * half < end; half++) {
-      const uint32_t d = 2 * half;
+    for (size_t half = begin / 2; 2 * half < end; half++) {
+      uint32_t bits_x[ASC_LANES], bits_y[ASC_LANES];
+      asc_draw_lanes(of->start[half], first + done, bits_x, bits_y);
       if (of->alone[half])
-        stratum_column(cells[half] + done, bits.word[d], (double)state->samples, state->in_stratum, tile.column[d]);
+        stratum_column(state->in_stratum, cells[half] + done, bits_x, tile.column[2 * half]);
       else
-        cell_columns(state, cells[half] + done, bits.word[d], bits.word[d + 1], tile.column[d], tile.column[d + 1]);
+        cell_columns(state, cells[half] + done, bits_x, bits_y, tile.column[2 * half], tile.column[2 * half + 1]);
     }
     const uint32_t rows = count - done < ASC_LANES ? count - done : ASC_LANES;
-    asc_tile_write(&tile, begin, end, 0, rows, points + done * stride, stride);
+    asc_tile_write(&tile, begin, end, 0, rows, points + (size_t)done * stride, stride);
   }
 }
 
-static void fill_quad(const jittered_state *state, const asc_range *range, asc_key key, const quad *of, uint32_t begin,
-                      uint32_t end, double *points) {
+static void fill_quad(const jittered_state *state, const asc_range *range, const quad *of, uint32_t begin, uint32_t end,
+                      double *points) {
   const size_t stride = range->dimension_count;
   for (size_t done = 0; done < range->sample_count; done += RUN) {
     const uint64_t first = range->first_sample + done;
     const size_t left = range->sample_count - done;
     double cells[2][RUN];
     for (uint32_t half = begin / 2; 2 * half < end; half++)
-      if (2 * of->index + half > 0)
+      if (of->shuffled[half])
         asc_permutation_run(&of->shuffle[half], first, cells[half]);
       else
         for (uint64_t i = 0; i < RUN; i++) cells[half][i] = (double)(first + i);
-    make_columns(state, of, key, cells, first, left < RUN ? (uint32_t)left : RUN, begin, end, points + done * stride,
+    make_columns(state, of, cells, first, left < RUN ? (uint32_t)left : RUN, begin, end, points + done * stride,
                  stride);
   }
 }
@@ -147,11 +147,11 @@ static asc_status jittered_fill(const void *opaque, const asc_range *range, doub
     quad of;
     make_quad(state, key, q, &of);
     if (range->sample_count > FEW) {
-      fill_quad(state, range, key, &of, begin, end, columns);
+      fill_quad(state, range, &of, begin, end, columns);
       continue;
     }
     for (uint32_t i = 0; i < range->sample_count; i++)
-      make_point(state, &of, key, range->first_sample + i, begin, end, columns + (size_t)i * range->dimension_count);
+      make_point(state, &of, range->first_sample + i, begin, end, columns + (size_t)i * range->dimension_count);
   }
   return ASC_OK;
 }

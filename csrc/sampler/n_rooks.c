@@ -41,48 +41,58 @@ static asc_status n_rooks_create(const asc_sampler_config *config, asc_sampler_s
   return ASC_OK;
 }
 
-/* The permutations of the dimensions [begin, end) of a quad. */
-static void make_permutations(const n_rooks_state *state, asc_key key, uint32_t quad, uint32_t begin, uint32_t end,
-                              asc_permutation made[QUAD]) {
-  for (uint32_t d = begin; d < end; d++) asc_permutation_make(&made[d], state->samples, key, quad * QUAD + d);
+/* Four dimensions. */
+typedef struct quad {
+  asc_permutation permutation[QUAD];
+  uint64_t start[QUAD / 2]; /* of the random bits of the samples in two dimensions */
+} quad;
+
+/* Those in [begin, end). */
+static void make_quad(const n_rooks_state *state, asc_key key, uint32_t index, uint32_t begin, uint32_t end,
+                      quad *made) {
+  for (uint32_t d = begin; d < end; d++)
+    asc_permutation_make(&made->permutation[d], state->samples, key, index * QUAD + d);
+  for (uint32_t half = 0; half < QUAD / 2; half++)
+    made->start[half] = asc_draw(key, index * QUAD / 2 + half, ASC_PURPOSE_STRATUM);
 }
 
-/* One point; the random bits of a sample's four dimensions are one block. */
-static void make_point(const n_rooks_state *state, const asc_permutation *permutations, asc_key key, uint32_t quad,
-                       uint64_t sample, uint32_t begin, uint32_t end, double *point) {
-  asc_block bits = {{0}};
-  if (state->jittered) bits = asc_hash(key, sample, quad, ASC_PURPOSE_STRATUM);
+static void make_point(const n_rooks_state *state, const quad *of, uint64_t sample, uint32_t begin, uint32_t end,
+                       double *point) {
   for (uint32_t d = begin; d < end; d++) {
-    const double cell = (double)asc_permutation_at(&permutations[d], sample);
-    const double place = state->jittered ? asc_jitter_unit(state->jitter, bits.word[d]) : state->offset;
-    *point++ = (cell + place) / (double)state->samples;
+    const double cell = (double)asc_permutation_at(&of->permutation[d], sample);
+    if (!state->jittered) {
+      *point++ = (cell + state->offset) / (double)state->samples;
+      continue;
+    }
+    const uint64_t bits = asc_draw_at(of->start[d / 2], sample);
+    *point++ = asc_jitter_place(state->jitter, cell, (uint32_t)(d % 2 ? bits : bits >> 32));
   }
 }
 
-ASC_INLINE void jitter_column(const double *cells, const uint32_t *bits, double count, asc_jitter jitter,
-                              double *column) {
-  for (int i = 0; i < ASC_LANES; i++) column[i] = (cells[i] + asc_jitter_unit(jitter, bits[i])) / count;
+ASC_INLINE void jitter_column(asc_jitter jitter, const double *cells, const uint32_t *bits, double *column) {
+  ASC_LANES_LOOP
+  for (int i = 0; i < ASC_LANES; i++) column[i] = asc_jitter_place(jitter, cells[i], bits[i]);
 }
 
 ASC_INLINE void offset_column(const double *cells, double offset, double count, double *column) {
+  ASC_LANES_LOOP
   for (int i = 0; i < ASC_LANES; i++) column[i] = (cells[i] + offset) / count;
 }
 
 /* The columns [begin, end) of one quad of RUN samples or fewer. */
 ASC_VECTORISE
-static void make_columns(const n_rooks_state *state, asc_key key, uint32_t quad, double (*cells)[RUN], uint64_t first,
+static void make_columns(const n_rooks_state *state, const quad *of, double (*cells)[RUN], uint64_t first,
                          uint32_t count, uint32_t begin, uint32_t end, double *points, size_t stride) {
   for (uint32_t done = 0; done < count; done += ASC_LANES) {
     asc_tile tile;
-    if (state->jittered) {
-      asc_lanes bits;
-      asc_hash_lanes(key, first + done, quad, ASC_PURPOSE_STRATUM, &bits);
-      for (uint32_t d = begin; d < end; d++)
-        jitter_column(cells[d] + done, bits.word[d], (double)state->samples, state->jitter, tile.column[d]);
-    } else {
-      for (uint32_t d = begin; d < end; d++)
+    uint32_t bits[QUAD][ASC_LANES];
+    for (size_t half = begin / 2; state->jittered && 2 * half < end; half++)
+      asc_draw_lanes(of->start[half], first + done, bits[2 * half], bits[2 * half + 1]);
+    for (uint32_t d = begin; d < end; d++)
+      if (state->jittered)
+        jitter_column(state->jitter, cells[d] + done, bits[d], tile.column[d]);
+      else
         offset_column(cells[d] + done, state->offset, (double)state->samples, tile.column[d]);
-    }
     const uint32_t rows = count - done < ASC_LANES ? count - done : ASC_LANES;
     asc_tile_write(&tile, begin, end, 0, rows, points + done * stride, stride);
   }
@@ -98,14 +108,14 @@ static asc_status n_rooks_fill(const void *opaque, const asc_range *range, doubl
   for (uint32_t q = low / QUAD; q * QUAD < past; q++) {
     const uint32_t begin = q * QUAD < low ? low % QUAD : 0, end = past - q * QUAD < QUAD ? past - q * QUAD : QUAD;
     double *columns = points + (q * QUAD + begin - low), cells[QUAD][RUN];
-    asc_permutation permutations[QUAD];
-    make_permutations(state, key, q, begin, end, permutations);
+    quad of;
+    make_quad(state, key, q, begin, end, &of);
     for (size_t i = 0; i < count && count <= FEW; i++)
-      make_point(state, permutations, key, q, range->first_sample + i, begin, end, columns + i * stride);
+      make_point(state, &of, range->first_sample + i, begin, end, columns + i * stride);
     for (size_t done = 0; done < count && count > FEW; done += RUN) {
       const uint64_t first = range->first_sample + done;
-      for (uint32_t d = begin; d < end; d++) asc_permutation_run(&permutations[d], first, cells[d]);
-      make_columns(state, key, q, cells, first, count - done < RUN ? (uint32_t)(count - done) : RUN, begin, end,
+      for (uint32_t d = begin; d < end; d++) asc_permutation_run(&of.permutation[d], first, cells[d]);
+      make_columns(state, &of, cells, first, count - done < RUN ? (uint32_t)(count - done) : RUN, begin, end,
                    columns + done * stride, stride);
     }
   }

@@ -9,22 +9,28 @@
 #include <stdint.h>
 
 ASC_INLINE uint32_t asc_reverse_bits(uint32_t x) {
-  x = (x >> 24) | ((x >> 8) & 0xff00u) | ((x << 8) & 0xff0000u) | (x << 24);
+  x = __builtin_bswap32(x);
   x = ((x & 0xf0f0f0f0u) >> 4) | ((x & 0x0f0f0f0fu) << 4);
   x = ((x & 0xccccccccu) >> 2) | ((x & 0x33333333u) << 2);
   return ((x & 0xaaaaaaaau) >> 1) | ((x & 0x55555555u) << 1);
 }
 
-/* `reversed`: the bits with the leading one lowest, where multiplications and additions carry from the leading digits
- * to those below. The result has its leading bit on top. */
+/* One of the ASC_OWEN_STEPS of the hash. They act on bits with the leading one lowest, where multiplications and
+ * additions carry from the leading digits to those below. */
+#define ASC_OWEN_STEPS 4
+ASC_INLINE uint32_t asc_owen_step(int step, uint32_t x, uint32_t seed) {
+  switch (step) {
+  case 0: return (x ^ x * 0x3d20adeau) + seed;
+  case 1: return x * ((seed >> 16) | 1u);
+  case 2: return x ^ x * 0x05526c56u;
+  default: return x ^ x * 0x53a22864u;
+  }
+}
+
+/* `reversed`: the bits with the leading one lowest; the result has it on top. */
 ASC_INLINE uint32_t asc_owen_hash(uint32_t reversed, uint32_t seed) {
-  uint32_t x = reversed;
-  x ^= x * 0x3d20adeau;
-  x += seed;
-  x *= (seed >> 16) | 1u;
-  x ^= x * 0x05526c56u;
-  x ^= x * 0x53a22864u;
-  return asc_reverse_bits(x);
+  for (int step = 0; step < ASC_OWEN_STEPS; step++) reversed = asc_owen_step(step, reversed, seed);
+  return asc_reverse_bits(reversed);
 }
 
 #endif

@@ -12,27 +12,27 @@
 /* The k with k^power = n, or 0. */
 uint64_t asc_exact_root(uint64_t n, uint32_t power);
 
-/* A random place in one of `cells` equal cells of [0, 1): ((double)cell + asc_jitter_unit(...)) / cells keeps to its
- * cell, since the place has only as many digits as keep it exact and its rounded quotient off the next cell. For at
- * most ASC_JITTER_CELLS cells. */
+/* A random place in one of `cells` equal cells of [0, 1). It has only as many digits as leave it exact and its rounding
+ * errors short of the next cell. For at most ASC_JITTER_CELLS cells. */
 #define ASC_JITTER_CELLS ((uint64_t)1 << 48)
 
 typedef struct asc_jitter {
-  uint32_t dropped; /* of 32 bits */
-  double scale;
+  uint32_t dropped; /* of 32 random bits */
+  double scale, per_cell;
 } asc_jitter;
 
 static inline asc_jitter asc_jitter_of(uint64_t cells) {
-  asc_jitter jitter = {1, 0x1p-31};
-  for (uint64_t limit = (uint64_t)1 << 20; limit < cells; limit *= 2) {
+  asc_jitter jitter = {1, 0x1p-31, cells ? 1.0 / (double)cells : 0.0};
+  for (uint64_t limit = (uint64_t)1 << 18; limit < cells; limit *= 2) {
     jitter.dropped++;
     jitter.scale *= 2.0;
   }
   return jitter;
 }
 
-static inline double asc_jitter_unit(asc_jitter jitter, uint32_t bits) {
-  return ((double)(int32_t)(bits >> jitter.dropped) + 0.5) * jitter.scale;
+/* The half keeps off the cell's ends, by 2^-50 of the result or more, where its two roundings add up to 2^-52. */
+static inline double asc_jitter_place(asc_jitter jitter, double cell, uint32_t bits) {
+  return (cell + ((double)(int32_t)(bits >> jitter.dropped) + 0.5) * jitter.scale) * jitter.per_cell;
 }
 
 /* x + shift modulo 1, for both in [0, 1). */

@@ -37,7 +37,9 @@ static void make_columns(asc_key key, uint32_t quad, uint64_t first, size_t coun
     for (uint32_t d = begin / 2 * 2; d < end; d += 2) {
       asc_lanes bits;
       asc_hash_lanes(key, first + done, (quad * QUAD + d) / 2, ASC_PURPOSE_UNIFORM, &bits);
+      ASC_LANES_LOOP
       for (int i = 0; i < ASC_LANES; i++) tile.column[d][i] = to_unit(bits.word[0][i], bits.word[1][i]);
+      ASC_LANES_LOOP
       for (int i = 0; i < ASC_LANES; i++) tile.column[d + 1][i] = to_unit(bits.word[2][i], bits.word[3][i]);
     }
     const uint32_t rows = count - done < ASC_LANES ? (uint32_t)(count - done) : ASC_LANES;

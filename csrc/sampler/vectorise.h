@@ -20,6 +20,13 @@
 #define ASC_VECTORISE
 #endif
 
+/* Before a loop over lanes inside another loop: unrolled, it would leave the other one to be vectorised. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define ASC_LANES_LOOP _Pragma("GCC unroll 1")
+#else
+#define ASC_LANES_LOOP
+#endif
+
 /* For the parts that marked functions are made of. */
 #ifdef __GNUC__
 #define ASC_INLINE static inline __attribute__((always_inline))

@@ -24,8 +24,8 @@ typedef struct sampler_bits {
 static const sampler_bits known[] = {
     {"random", 200, 7, 0x1ac5604fde4e5fb5u},
     {"regular", 196, 2, 0x77a69daff9ec31b8u},
-    {"jittered", 196, 7, 0x8e3cba313d701f24u},
-    {"jittered", 36, 5, 0x8e1b19ff621a2f28u},
+    {"jittered", 196, 7, 0x21230f724b19e0fau},
+    {"jittered", 36, 5, 0xbcd3fe542012ac0fu},
     {"halton", 5000, 7, 0x6c1ac23435efc15bu},
     {"halton:scramble=shift", 5000, 7, 0x9ad0513abf0bc11eu},
     {"halton:scramble=digit", 5000, 7, 0x1cfd27e2449a13acu},
@@ -38,8 +38,8 @@ static const sampler_bits known[] = {
     {"hammersley:scramble=shift", 200, 7, 0xcf2b6d18453cba22u},
     {"hammersley:scramble=digit", 200, 7, 0x7d5adce1b493e92bu},
     {"hammersley:scramble=owen", 200, 7, 0x63a80fd9095de693u},
-    {"n-rooks", 200, 7, 0x1510defba38715e0u},
-    {"n-rooks", 50, 7, 0x0219a825d21e85a8u},
+    {"n-rooks", 200, 7, 0x1525f6da52b2d2e7u},
+    {"n-rooks", 50, 7, 0x00fa84318628e4f3u},
     {"n-rooks:centred=1", 200, 7, 0x088f7e7ac0802503u},
     {"n-rooks:corner=1", 200, 7, 0xc79cdfb7a443cb27u},
     /* end of the list */
