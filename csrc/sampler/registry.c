@@ -15,6 +15,9 @@
   X(jittered) \
   X(halton) \
   X(sobol) \
+  X(poisson_disk) \
+  X(best_candidate) \
+  X(blue_noise) \
   /* end of the list */
 /* clang-format on */
 
