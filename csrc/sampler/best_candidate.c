@@ -1,8 +1,8 @@
 /* Each point the best of many candidates: the one farthest from all points before it, on the torus.
  *
  * Source: Mitchell 1991, "Spectrally optimal sampling for distribution ray tracing". With i points there, m i
- * candidates are thrown, m a constant, so that points keep apart equally well at every density. candidates  m. The
- * paper leaves it open; the default of 10 is ours.
+ * candidates are thrown, so that points keep apart equally well at every density. m is the parameter `candidates`; its
+ * default of 10 is ours.
  *
  * The pattern is a sequence: point i depends on those before it alone, and every first n points are well spread. In
  * more than two dimensions each pair (0,1), (2,3), ... has a sequence of its own, independent of the others; they are

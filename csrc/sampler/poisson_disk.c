@@ -2,14 +2,18 @@
  *
  * Source: Dippe and Wold 1985, "Antialiasing through stochastic sampling"; Cook 1986, "Stochastic sampling in computer
  * graphics". A dart is uniform; it stays if it lies at least a radius r away from all before it. Points are in the
- * order of their placement. radius    r as a share of the largest distance that N points of the torus can keep, that of
- * the hexagonal lattice: r_max = sqrt(2 / (sqrt(3) N)) (Lagae and Dutre 2008, "A comparison of methods for generating
- * Poisson disk distributions", section 2). Darts run out near 0.777 r_max: discs thrown at random come to rest at a
- *             density of 0.547 (Feder 1980, "Random sequential adsorption"). Hence the default of 0.75, and exactly N
- *             points by a relaxation: where no free area is left, r is multiplied by 0.95 and the throwing goes on
- *             (McCool and Fiume 1992, "Hierarchical Poisson disk sampling distributions"). From 0.25, where a point
- *             has 28 cells of the grid; points that keep less are all but random.
- *   toroidal  1: distances go around the edges of the square; 0: they do not, and points are denser along its edges.
+ * order of their placement.
+ *
+ * `radius` is r as a share of r_max = sqrt(2 / (sqrt(3) N)), the largest distance that N points of the torus can keep,
+ * in the hexagonal lattice (Lagae and Dutre 2008, "A comparison of methods for generating Poisson disk distributions").
+ * Darts run out near 0.777 r_max: discs thrown at random come to rest at a density of 0.547 (Feder 1980, "Random
+ * sequential adsorption"). Hence the default of 0.75; and there are exactly N points by a relaxation: where no free
+ * area is left, r is multiplied by 0.95 and the throwing goes on (after McCool and Fiume 1992, "Hierarchical Poisson
+ * disk sampling distributions"). The least radius is 0.25, where a point has 28 cells of the grid: points that keep
+ * less are all but random.
+ *
+ * With `toroidal` 1 distances go around the edges of the square; with 0 they do not, and points are denser along its
+ * edges, where they have fewer neighbours.
  *
  * What is guaranteed: every two points keep the last r, which is radius r_max where nothing was relaxed. n discs of
  * radius r leave area free as long as n pi r^2 < 1, so nothing is relaxed below sqrt(sqrt(3) / (2 pi)) = 0.525 r_max,
