@@ -35,6 +35,9 @@
   X(orthogonal_array) \
   X(hammersley) \
   X(n_rooks) \
+  X(poisson_disk) \
+  X(best_candidate) \
+  X(blue_noise) \
   /* end of the list */
 /* clang-format on */
 

@@ -72,6 +72,11 @@ static const sampler_case cases[] = {
     {"n-rooks", 80, 5}, /* above 64 the permutations are made otherwise */
     {"n-rooks:centred=1", 64, 3},
     {"n-rooks:corner=1", 64, 3, .biased_in_pairs = "points lie on the corners of cells"},
+    {"poisson-disk", 64, 3, .most = 16384},
+    {"poisson-disk:toroidal=0", 64, 3, .most = 16384,
+     .biased = "points near an edge have fewer neighbours to keep away from: more lie there"},
+    {"best-candidate", 16, 3, .most = 1024},
+    {"blue-noise", 16, 3, .most = 1024},
     /* end of the list */
 };
 #pragma GCC diagnostic pop
