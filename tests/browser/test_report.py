@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from aliascope.records import EmptyCell, ReportData, SceneSection
+from aliascope.records import EmptyCell, Estimate, ReportData, SceneSection
 from aliascope.report import write_report
 from browser.conftest import wait_ready
 from browser.report_data import BRIGHT, DARK, HEADLINE, HOSTILE, MARK, NOT_A_NUMBER
@@ -349,6 +349,21 @@ def test_metrics_without_a_value(open_page: Open) -> None:
     assert "Nothing to plot" in page.locator("#overview-plot svg").text_content()
     page.get_by_label("Error as").select_option("bias")
     assert {text.strip() for text in visible(page, ".modes td:nth-child(2)")} == {"−0.00100"}
+
+
+def test_a_time_too_short_to_be_told_is_not_the_best(open_page: Open, data: ReportData, tmp_path: Path) -> None:
+    scene = data.scenes[0]
+    rows = tuple(replace(r, cpu_seconds=Estimate(0.0, 0.0)) if r.renderer == "povray" else r for r in scene.rows)
+    page = open_page()
+    page.goto(write_report(tmp_path, replace(data, scenes=(replace(scene, rows=rows),))).as_uri())
+    wait_ready(page)
+    table = page.locator(".scene .modes")
+    povray = table.locator("tbody tr", has_text="povray").locator("td").all_inner_texts()
+    assert [text.strip() for text in povray[3:7]] == ["too short", "", "–", ""]
+    assert table.locator("td:nth-child(5).best").count() == 1
+    assert "best" in (table.locator("tbody tr", has_text="osmesa").locator("td").nth(3).get_attribute("class") or "")
+    assert "too short a time" in page.locator(".answer").inner_text()
+    assert "povray am2, depth=3" in page.locator("#overview-plot .note").inner_text()
 
 
 def test_dark_and_light(open_page: Open) -> None:

@@ -60,6 +60,16 @@ def test_a_scene_under_another_filter_is_no_scene_more() -> None:
     assert headlines([*scenes, filtered])[0] == headlines(scenes)[0]
 
 
+def test_no_time_of_zero_is_named() -> None:
+    scene = section("one", row("embree", "uniform random", 16, 0.1, 2e-3), row("povray", "none", 1, 0.15, 0.0))
+    assert headlines([scene])[0] == (
+        "CPU time a picture to reach an RMSE of 0.1 over the scene one: embree 2 ms (uniform random, n=16); "
+        "povray cannot (its best is 0.15, none, n=1)."
+    )
+    (first, *_) = headlines([section("one", row("embree", "u", 16, 0.2, 2e-3), row("povray", "none", 1, 0.15, 0.0))])
+    assert first.endswith("embree 2 ms (u, n=16); povray less time than it can tell (none, n=1).")
+
+
 def test_nothing_is_said_of_nothing() -> None:
     assert headlines([]) == ()
     assert headlines([section("a", row("osmesa", "none", 1, 0.9, 1.0))]) == ()

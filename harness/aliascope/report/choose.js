@@ -33,6 +33,7 @@ function usualTime(rows, metric) {
 /** The best row for what is asked: {row}, or {reason} where there is none. `rows` are one renderer's or all. */
 function answer(rows, metric, asked) {
   const front = paretoFront(rows, metric);
+  if (!front.length && rows.some((row) => row.cpu[0] === 0)) return { reason: "too short a time" };
   if (!front.length) return { reason: rows.some((row) => row.missing.length) ? "lacks scenes" : "has no figures" };
   if (asked.time !== null) {
     const within = front.filter(({ time }) => time <= asked.time);

@@ -133,6 +133,9 @@ function alignPoints(texts) {
   });
 }
 
+/** CPU seconds; a renderer whose clock goes in steps may tell 0, which is no time that a picture takes. */
+const timeFigure = (seconds) => (seconds === 0 ? "too short" : figure(seconds));
+
 const counted = (n, thing) => `${n} ${thing}${n === 1 ? "" : "s"}`;
 
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);

@@ -111,7 +111,7 @@ class Plot {
     return [
       hollow.length ? `Hollow: ${counted(hollow.length, "mode")} without every scene, left out of the front. ` : "",
       zero.length ? `On the lowest line: ${zero.length} without any error. ` : "",
-      without.length ? `Not shown, for want of a time or a ${metric.label}: ${without.map(readable).join("; ")}. ` : "",
+      without.length ? `Not shown, for want of a time that could be told or of a ${metric.label}: ${without.map(readable).join("; ")}. ` : "",
     ].filter((text) => text).map((text) => h("span", {}, text));
   }
 

@@ -34,7 +34,7 @@ def _to_reach(scenes: Sequence[SceneSection]) -> str:
         able = [mode for mode in own if _rmse(mode) <= target]
         if able:
             fastest = min(able, key=lambda mode: _value(mode.cpu_seconds))
-            parts.append(f"{renderer} {_seconds(_value(fastest.cpu_seconds))} ({fastest.label})")
+            parts.append(f"{renderer} {_time(_value(fastest.cpu_seconds))} ({fastest.label})")
         else:
             best = min(own, key=_rmse)
             parts.append(f"{renderer} cannot (its best is {_rmse(best):.2g}, {best.label})")
@@ -46,7 +46,9 @@ def _rmse(mode: Curve) -> float:
     return _value(mode.metrics["rmse"])
 
 
-def _seconds(seconds: float) -> str:
+def _time(seconds: float) -> str:
+    if seconds <= 0.0:  # POV-Ray tells whole milliseconds
+        return "less time than it can tell"
     return f"{seconds * 1e3:.2g} ms" if seconds < 0.0995 else f"{seconds:.2g} s"
 
 
