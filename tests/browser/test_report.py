@@ -343,6 +343,34 @@ def test_which_one(open_page: Open) -> None:
     assert "best is 0.1" in page.locator(".answer tr", has_text="osmesa").inner_text()
 
 
+def test_the_question_changes_by_typing_not_by_passing(open_page: Open) -> None:
+    page = open_page("#scene=edge")
+    time, error = page.locator(".questions input[type=text]").all()
+    before = page.locator(".answer").inner_text()
+    time.focus()
+    page.keyboard.press("Tab")
+    expect(error).to_be_focused()
+    page.keyboard.press("Tab")
+    assert page.locator(".answer").inner_text() == before
+    assert page.get_by_role("radio", name="I have").is_checked()
+    assert not {"time", "error"} & fragment(page).keys()
+    error.fill("0,03")
+    assert fragment(page)["error"] == "0.03"
+    assert page.get_by_role("radio", name="I need").is_checked()
+
+
+def test_an_error_asked_for_goes_with_its_metric(open_page: Open) -> None:
+    page = open_page()
+    error = page.locator(".questions input[type=text]").nth(1)
+    error.fill("0.09")
+    page.get_by_label("Error as").select_option("psnr")
+    decibels = float(fragment(page)["error"])
+    assert 15.0 < decibels < 50.0  # RMSE is 0.005 to 0.12
+    assert float(error.input_value()) == decibels
+    linked = open_page("#metric=psnr&error=31")
+    assert linked.locator(".questions input[type=text]").nth(1).input_value() == "31"
+
+
 def test_metrics_without_a_value(open_page: Open) -> None:
     page = open_page("#scene=edge&metric=max")
     assert set(visible(page, ".modes td:nth-child(2)")) == {"–"}
