@@ -108,7 +108,7 @@ class ModeRow:
 
 @dataclass(frozen=True)
 class SceneSection:
-    """One scene of the report. `reference_note` says how the reference was made and how exact it is."""
+    """One scene of the report under one filter. `reference_note` says how the reference was made, how exact it is."""
 
     name: str
     title: str
@@ -117,6 +117,7 @@ class SceneSection:
     reference_note: str
     rows: tuple[ModeRow, ...]
     empty: tuple[EmptyCell, ...] = ()
+    filter: str = "box"
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,7 @@ def filtered() -> SceneSection:
         replace(row, mode=mode, label=mode, family="uniform halton mitchell", pixels=pixels)
         for row, mode, pixels in zip(scene.rows, names, (exact, constant), strict=False)
     )
-    return replace(scene, reference=reference, rows=rows)
+    return replace(scene, reference=reference, rows=rows, filter="mitchell")
 
 
 def report_data() -> ReportData:

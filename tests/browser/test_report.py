@@ -307,6 +307,18 @@ def test_the_plot_has_all_renderers_in_their_colours(open_page: Open) -> None:
     assert page.locator("#overview-plot .bar").count() >= 2  # of embree: the others have no uncertainty of their time
 
 
+def test_a_scene_counts_once(open_page: Open) -> None:
+    page = open_page()
+    assert page.locator(".figure-head h3").inner_text() == "Error against time, all 3 scenes"
+    assert page.locator(".over option").first.inner_text() == "all 3 scenes"
+
+
+def test_the_legend_is_that_of_the_plot(open_page: Open) -> None:
+    page = open_page()
+    listed = {text.strip() for text in page.locator("#legend button").all_inner_texts()}
+    assert listed == {"uniform halton", "am2", "msaa"}  # "uniform halton mitchell" has a plot of its own
+
+
 def test_a_mode_that_lacks_a_scene_is_hollow_and_said(open_page: Open) -> None:
     page = open_page("#scene=zone-plate")
     hollow = page.locator("#overview-plot .point.hollow")

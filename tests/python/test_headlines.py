@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from aliascope.records import Estimate, ModeRow, SceneSection
@@ -56,8 +58,11 @@ def test_scenes_are_joined_by_the_mean_square_and_only_those_that_all_drew_count
 
 def test_a_scene_under_another_filter_is_no_scene_more() -> None:
     scenes = [section("a", *tracer(0.05)), section("b", *tracer(0.05))]
-    filtered = section("a, mitchell", row("embree", "uniform random, mitchell", 64, 0.5, 1.0))
-    assert headlines([*scenes, filtered])[0] == headlines(scenes)[0]
+    rows = [replace(mode, family="uniform random mitchell") for mode in tracer(0.5)]
+    filtered = replace(section("a, mitchell", *rows), filter="mitchell")
+    assert headlines([*scenes, filtered]) == headlines(scenes)
+    assert len(headlines(scenes)) == 2
+    assert "mean over scenes" not in headlines([scenes[0], filtered])[1]
 
 
 def test_no_time_of_zero_is_named() -> None:

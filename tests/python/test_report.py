@@ -177,7 +177,9 @@ def test_a_scene_under_another_filter_is_not_pooled() -> None:
     """Its modes are of no other scene: over both, every mode would lack one, and none be on the front."""
     pixels = np.zeros((3, 4, 3), np.float32)
     box, filtered = row_of("embree", "a", 0.3, 1.0, pixels), row_of("embree", "a:filter=mitchell", 0.1, 1.0, pixels)
-    scenes = scene_of("one", box), scene_of("two", box), scene_of("one, mitchell", filtered)
+    scenes = scene_of("one", box), scene_of("two", box), replace(scene_of("one, mitchell", filtered), filter="mitchell")
+    assert [plot.title for plot in plots_of(data_of(*scenes))][0] == "All 2 scenes"
+    assert [plot.title for plot in plots_of(data_of(scenes[0], scenes[2]))][0] == "The scene one"
     assert [scene.name for scene in in_common(scenes)] == ["one", "two"]
     assert all(curve.missing == () for curve in pool(in_common(scenes)))
 

@@ -13,8 +13,8 @@ function metricChooser() {
 
 /** "all 7 scenes", or of how many. */
 const scopeName = (() => {
-  const [pooled, all] = [documentData.pooledScenes.length, documentData.scenes.length];
-  if (all === 1) return `the scene ${documentData.scenes[0].name}`;
+  const [pooled, all] = [documentData.pooledScenes.length, documentData.countedScenes.length];
+  if (all === 1) return `the scene ${documentData.countedScenes[0]}`;
   if (pooled === all && all === 2) return "both scenes";
   return pooled === all ? `all ${all} scenes` : `${pooled} of ${all} scenes`;
 })();
@@ -155,8 +155,11 @@ class Chooser {
 /** Renderers and families; a family is brought forward under the pointer and hidden or shown by a click. */
 function legend(host, plots) {
   host.append(h("h3", {}, "Legend"));
+  const pooled = new Set(documentData.pooled.map((row) => `${row.renderer}\n${row.family}`));
   for (const renderer of documentData.renderers) {
-    const items = documentData.families.filter(([name]) => name === renderer).map(([, family]) => {
+    const families = documentData.families.filter(([name, family]) => name === renderer && pooled.has(`${name}\n${family}`));
+    if (!families.length) continue;
+    const items = families.map(([, family]) => {
       const key = `${renderer}\n${family}`;
       const emphasise = (on) => plots.forEach((plot) => plot.emphasise(on ? key : null));
       const toggle = h("button",

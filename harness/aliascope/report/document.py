@@ -11,7 +11,7 @@ import numpy as np
 
 from aliascope.records import Estimate, ModeRow, ReportData, SceneSection
 from aliascope.report.encode import PictureStore, error_map, error_scale, worst_pixel
-from aliascope.report.pool import Curve, curve_of, in_common, pool
+from aliascope.report.pool import Curve, curve_of, in_common, pool, under_one_filter
 from aliascope.report.spectra import SceneSpectra, check_size, spectra_json
 
 Json = Any
@@ -35,6 +35,7 @@ def document(data: ReportData, pictures: PictureStore, spectra: Sequence[SceneSp
         "families": [family.split("\n", 1) for family in families],
         "scenes": [_scene(scene, data, pictures, s) for scene, s in zip(data.scenes, spectra, strict=True)],
         "pooledScenes": [scene.name for scene in common],
+        "countedScenes": [scene.name for scene in under_one_filter(data.scenes)],
         "pooled": [_curve(curve) for curve in pool(common)],
     }
 

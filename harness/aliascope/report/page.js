@@ -128,7 +128,7 @@ function copyButtons() {
 function leftOut() {
   const names = documentData.scenes.map(({ name }) => name).filter((name) => !documentData.pooledScenes.includes(name));
   if (!names.length) return [];
-  return [h("p", { class: "note" }, `Over the scenes that every renderer drew, and in the same modes: without ${names.join("; ")}.`)];
+  return [h("p", { class: "note" }, `Over the scenes that every renderer drew, under one filter: without ${names.join("; ")}.`)];
 }
 
 function start() {

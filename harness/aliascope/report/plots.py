@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 
 from aliascope.records import Estimate, ReportData
 from aliascope.report.document import number
-from aliascope.report.pool import Curve, curve_of, efficiency, in_common, pareto_front, pool, usable
+from aliascope.report.pool import Curve, curve_of, efficiency, in_common, pareto_front, pool, under_one_filter, usable
 
 OKABE_ITO: Mapping[str, str] = {"embree": "#0072B2", "povray": "#D55E00", "osmesa": "#009E73"}
 OTHERS = ("#CC79A7", "#E69F00", "#56B4E9")
@@ -64,9 +64,10 @@ def plots_of(data: ReportData) -> list[Plot]:
     if len(data.scenes) > 1:
         taken.add("all-scenes")
         common = in_common(data.scenes)
-        title = f"{len(common)} of {len(data.scenes)} scenes, which every renderer drew in the same modes"
-        if common == data.scenes:
-            title = f"All {len(common)} scenes"
+        counted = len(under_one_filter(data.scenes))
+        title = f"{len(common)} of {counted} scenes, which every renderer drew"
+        if len(common) == counted:
+            title = f"All {counted} scenes" if counted > 1 else f"The scene {common[0].name}"
         plots.append(Plot("all-scenes", title, pool(common)))
     for scene in data.scenes:
         stem = re.sub(r"[^a-z0-9]+", "-", scene.name.lower()).strip("-")[:60] or "scene"

@@ -140,6 +140,7 @@ def _section(
         reference_note=_note(reference),
         rows=tuple(rows),
         empty=tuple(cell for cell in plan.empty if cell.scene == name) if box else (),
+        filter=filter_,
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from aliascope.records import Estimate, ModeRow, SceneSection
-from aliascope.report.pool import Curve, in_common, pool
+from aliascope.report.pool import Curve, in_common, pool, under_one_filter
 from aliascope.statistics import rate
 
 TARGETS = (0.01, 0.02, 0.05, 0.1, 0.2)
@@ -55,7 +55,8 @@ def _time(seconds: float) -> str:
 def _rates(scenes: Sequence[SceneSection]) -> str:
     """The exponents of the tracer's patterns, over scenes: each scene's own fit, then their mean and its spread."""
     families: dict[str, list[float]] = {}
-    for scene in scenes:
+    once = under_one_filter(scenes)
+    for scene in once:
         for family, rows in by_family(row for row in scene.rows if row.renderer == "embree").items():
             fit = rate([row.samples_per_pixel for row in rows], [_value(row.metrics["rmse"]) for row in rows])
             if fit:
@@ -68,7 +69,7 @@ def _rates(scenes: Sequence[SceneSection]) -> str:
         + (f", {lowest:.2f} to {highest:.2f})" if f"{lowest:.2f}" != f"{highest:.2f}" else ")")
         for average, lowest, highest, family in shown
     ]
-    spread = ", the mean over scenes and its range" if len(scenes) > 1 else ""
+    spread = ", the mean over scenes and its range" if len(once) > 1 else ""
     return f"In the tracer the error falls with the samples a pixel as{spread}: {'; '.join(parts)}."
 
 
