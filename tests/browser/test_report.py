@@ -383,6 +383,15 @@ def test_an_error_asked_for_goes_with_its_metric(open_page: Open) -> None:
     assert linked.locator(".questions input[type=text]").nth(1).input_value() == "31"
 
 
+def test_a_metric_says_which_values_are_better(open_page: Open) -> None:
+    page = open_page("#scene=edge&metric=sharpness")
+    first, *_, last = page.locator(".scene:not([hidden]) .modes tbody tr").all_inner_texts()
+    assert "uniform halton, n=64" in first  # the least noise
+    assert "msaa, n=4" in last
+    assert visible(page, ".modes td.best:nth-child(2)")[0].strip().startswith("3.00")  # 3 - 0.005
+    assert "sharpness ≥" in page.locator(".questions").inner_text()
+
+
 def test_metrics_without_a_value(open_page: Open) -> None:
     page = open_page("#scene=edge&metric=max")
     assert set(visible(page, ".modes td:nth-child(2)")) == {"–"}

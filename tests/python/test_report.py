@@ -18,8 +18,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from aliascope import metrics
 from aliascope.errors import InvalidInput, NotAvailable, NotWritable
-from aliascope.records import EmptyCell, Estimate, Failure, ModeRow, Pixels, ReportData, SceneSection
+from aliascope.records import EmptyCell, Estimate, Failure, MetricInfo, ModeRow, Pixels, ReportData, SceneSection
 from aliascope.report import page, write_report
 from aliascope.report.document import document, script_json
 from aliascope.report.encode import PictureStore, decode_picture, encode_picture, error_map, error_scale, round_up
@@ -41,6 +42,7 @@ from aliascope.report.spectra import (
 from aliascope.spectrum import radial_spectrum
 
 HOSTILE = "</script><!--<script>alert('$x^{$')\u2028&\"\n,=1"
+METRICS = {name: MetricInfo(name, "less") for name in ("rmse", "psnr", "max", "bias", "structure")}
 NAN, INF = math.nan, math.inf
 
 
@@ -54,7 +56,7 @@ def row_of(
 def data_of(*scenes: SceneSection) -> ReportData:
     failure = Failure("one", "povray", "am2", HOSTILE, f"aliascope {HOSTILE}")
     named = {HOSTILE: HOSTILE}
-    return ReportData("t", "2026-12-01", 1.0, 2, 0, (HOSTILE,), scenes, (failure,), named, named, named)
+    return ReportData("t", "2026-12-01", 1.0, 2, 0, (HOSTILE,), scenes, (failure,), named, named, METRICS, named)
 
 
 def scene_of(name: str, *rows: ModeRow) -> SceneSection:
@@ -178,8 +180,8 @@ def test_a_scene_under_another_filter_is_not_pooled() -> None:
     pixels = np.zeros((3, 4, 3), np.float32)
     box, filtered = row_of("embree", "a", 0.3, 1.0, pixels), row_of("embree", "a:filter=mitchell", 0.1, 1.0, pixels)
     scenes = scene_of("one", box), scene_of("two", box), replace(scene_of("one, mitchell", filtered), filter="mitchell")
-    assert [plot.title for plot in plots_of(data_of(*scenes))][0] == "All 2 scenes"
-    assert [plot.title for plot in plots_of(data_of(scenes[0], scenes[2]))][0] == "The scene one"
+    assert next(plot.title for plot in plots_of(data_of(*scenes))) == "All 2 scenes"
+    assert next(plot.title for plot in plots_of(data_of(scenes[0], scenes[2]))) == "The scene one"
     assert [scene.name for scene in in_common(scenes)] == ["one", "two"]
     assert all(curve.missing == () for curve in pool(in_common(scenes)))
 
@@ -189,6 +191,24 @@ def test_the_front_is_what_nothing_beats(points: list[tuple[int, int]]) -> None:
     found = {points[i] for i in pareto_front(points)}
     expected = {p for p in points if not any(q != p and q[0] <= p[0] and q[1] <= p[1] for q in points)}
     assert found == expected
+
+
+def test_metrics_say_which_values_are_better() -> None:
+    """Of two pictures with the same error, one of them 10 times as large, and structured."""
+    rng = np.random.default_rng(4)
+    reference = np.full((48, 64, 3), 0.5, np.float32)
+    noise = rng.normal(0.0, 0.01, reference.shape).astype(np.float32)
+    wave = np.cos(2.0 * np.pi * 0.25 * np.arange(64))[np.newaxis, :, np.newaxis].astype(np.float32)
+    good, bad = metrics.measure(reference + noise, reference), metrics.measure(reference + 0.1 * wave - 0.05, reference)
+    for name, about in metrics.ABOUT.items():
+        better, worse = good[name].value, bad[name].value
+        assert better is not None
+        assert worse is not None
+        if about.better == "zero":
+            assert abs(better) < abs(worse), name
+        else:
+            assert (better < worse) == (about.better == "less"), name
+        assert about.best in (None, metrics.measure(reference, reference, [name])[name].value), name
 
 
 # Signals.

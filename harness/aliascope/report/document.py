@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,7 @@ def document(data: ReportData, pictures: PictureStore, spectra: Sequence[SceneSp
     for scene in data.scenes:
         families.update(dict.fromkeys(f"{row.renderer}\n{row.family}" for row in scene.rows))
     return {
-        "metrics": list(dict.fromkeys(m for scene in data.scenes for row in scene.rows for m in row.metrics)),
+        "metrics": {m: asdict(data.metrics[m]) for scene in data.scenes for row in scene.rows for m in row.metrics},
         "renderers": list(renderers),
         "families": [family.split("\n", 1) for family in families],
         "scenes": [_scene(scene, data, pictures, s) for scene, s in zip(data.scenes, spectra, strict=True)],

@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from aliascope import image, pipeline, places, references, renderers
+from aliascope import image, metrics, pipeline, places, references, renderers
 from aliascope.errors import CheckFailed, Interrupted, NotWritable, Unsupported
 from aliascope.pipeline import Options, Plan, Progress
 from aliascope.records import Estimate, Failure, ModeRow, Outcome, ReportData, SceneSection
@@ -77,6 +77,7 @@ def compare(
         ),
         machine=places.machine(),
         versions={"aliascope": f"{places.own_version()} ({places.revision()})", **plan.versions},
+        metrics=metrics.ABOUT,
         skipped=plan.skipped,
     )
     return Comparison(write_report(folder, data), data, len(outcomes) - reused, outcomes)
