@@ -6,7 +6,10 @@ import csv
 import html
 import json
 import math
+import os
 import re
+import subprocess
+import sys
 import zlib
 from base64 import b64decode
 from dataclasses import replace
@@ -17,6 +20,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 
 from aliascope import metrics
 from aliascope.errors import InvalidInput, NotAvailable, NotWritable
@@ -25,7 +29,7 @@ from aliascope.report import page, write_report
 from aliascope.report.document import document, script_json
 from aliascope.report.encode import PictureStore, decode_picture, encode_picture, error_map, error_scale, round_up
 from aliascope.report.filters import FREQUENCIES, filter_responses, filters_csv
-from aliascope.report.plots import colours, plots_of
+from aliascope.report.plots import Plot, colours, limits, plot_svg, plots_of, svg_of
 from aliascope.report.pool import curve_of, efficiency, in_common, pareto_front, pool
 from aliascope.report.signal_plots import MOST_LINES, telling
 from aliascope.report.spectra import (
@@ -408,6 +412,57 @@ def test_the_same_data_gives_the_same_files(tmp_path: Path) -> None:
     assert len(files) == 18
     for file in files:
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes(), file
+
+
+FIGURES = """
+import sys
+from pathlib import Path
+from aliascope.report import write_report
+from browser.report_data import report_data
+write_report(Path(sys.argv[1]), report_data())
+"""
+
+
+def test_two_processes_draw_the_same_figures(tmp_path: Path) -> None:
+    """Addresses and hashes differ between them, and with these the last digits of matplotlib's layout."""
+    paths = os.pathsep.join([str(Path(__file__).parents[1]), *sys.path])
+    for name in ("one", "two"):
+        environment = {**os.environ, "PYTHONPATH": paths, "PYTHONHASHSEED": str(len(name))}
+        subprocess.run([sys.executable, "-c", FIGURES, str(tmp_path / name)], check=True, env=environment)
+    figures = sorted(path.name for path in (tmp_path / "one" / "plots").glob("*.svg"))
+    assert len(figures) == 10  # 4 scenes' plots and spectra, all scenes, the filters
+    for figure in figures:
+        texts = {(tmp_path / name / "plots" / figure).read_bytes() for name in ("one", "two")}
+        assert len(texts) == 1, figure
+
+
+def test_the_last_digits_of_a_layout_are_not_drawn() -> None:
+    """Two processes seldom differ in them; that they are rounded off is seen in one."""
+    figures = []
+
+    def draw(figure: Figure) -> None:
+        figures.append(figure)
+        figure.add_subplot().set_ylabel("y")
+
+    svg_of(draw, (3.0, 2.0))
+    bounds = figures[0].axes[0].get_position().bounds
+    assert bounds == pytest.approx([round(value, 6) for value in bounds], rel=1e-14)
+
+
+@pytest.mark.parametrize("seconds", [(0.001,), (0.0,), (0.001, 0.001), (0.001, 0.0)])
+def test_few_times_are_plotted_without_a_warning(seconds: tuple[float, ...], recwarn: pytest.WarningsRecorder) -> None:
+    pixels = np.zeros((3, 4, 3), np.float32)
+    curves = tuple(curve_of(row_of("povray", "none", 0.1, t, pixels, 0.0)) for t in seconds)
+    svg = plot_svg(Plot("one", "One", curves), colours(["povray"]))
+    assert ElementTree.fromstring(svg).tag.endswith("svg")
+    assert [str(warning.message) for warning in recwarn] == []
+
+
+def test_limits_have_room_for_points_and_bars() -> None:
+    low, high = limits([0.01, 0.1], [None, 0.05])
+    assert low < 0.01 < 0.15 < high < 0.2
+    low, high = limits([0.01], [0.02])  # a bar that would reach 0 has its end out of sight
+    assert 0.0 < low < 0.01 < 0.03 < high
 
 
 def test_colours_are_those_of_the_renderers() -> None:
