@@ -422,6 +422,28 @@ def test_dark_and_light(open_page: Open) -> None:
     assert max(int(c) for c in re.findall(r"\d+", dark)) < 40
 
 
+def test_a_figure_has_no_digits_below_its_uncertainty(open_page: Open, data: ReportData, tmp_path: Path) -> None:
+    scene = data.scenes[0]
+    given = {"uniform:n=4": Estimate(0.0000935, 0.0012), "uniform:n=64": Estimate(-0.00002, 0.0012)}
+    rows = [
+        replace(row, metrics={**row.metrics, "structure": given.get(row.mode, Estimate(0.3031, 0.0012))})
+        for row in scene.rows
+    ]
+    page = open_page()
+    path = write_report(tmp_path, replace(data, scenes=(replace(scene, rows=tuple(rows)),)))
+    page.goto(path.as_uri() + "#metric=structure&sort=spp-up")
+    wait_ready(page)
+    found = [text.strip("\u2007\u2008 ") for text in visible(page, ".modes td:nth-child(2)")]
+    assert sorted(found) == ["0.0000", "0.0001", "0.303", "0.303"]
+
+
+def test_a_narrow_table_is_for_fingers(open_page: Open) -> None:
+    page = open_page(width=380)
+    box = page.locator(".slots .slot").first.bounding_box()
+    assert box is not None
+    assert min(box["width"], box["height"]) >= 32
+
+
 @pytest.mark.parametrize("scene", [0, 2])
 def test_a_narrow_page_does_not_scroll_sideways(open_page: Open, scene: int) -> None:
     page = open_page(width=380)

@@ -65,6 +65,18 @@ def test_a_scene_under_another_filter_is_no_scene_more() -> None:
     assert "mean over scenes" not in headlines([scenes[0], filtered])[1]
 
 
+def test_figures_have_their_uncertainty() -> None:
+    fast = replace(row("embree", "u", 16, 0.1, 0.0), cpu_seconds=Estimate(0.00212, 0.00031))
+    slow = replace(row("povray", "am1", 3, 0.3, 123.4), metrics={"rmse": Estimate(0.3, 0.012)})
+    (first, *_) = headlines([section("one", fast, slow)])
+    assert first.endswith("embree 2.1 ± 0.3 ms (u, n=16); povray cannot (its best is 0.3 ± 0.01, am1, n=3).")
+    (first, *_) = headlines([section("one", replace(slow, cpu_seconds=Estimate(123.4, 2.0)), row("a", "b", 1, 0.2, 1))])
+    assert "a 1 s (b, n=1)" in first
+    assert "povray cannot" in first
+    (first, *_) = headlines([section("one", row("povray", "am1", 3, 0.1, 123.4))])
+    assert "povray 123 s" in first
+
+
 def test_no_time_of_zero_is_named() -> None:
     scene = section("one", row("embree", "uniform random", 16, 0.1, 2e-3), row("povray", "none", 1, 0.15, 0.0))
     assert headlines([scene])[0] == (

@@ -62,5 +62,5 @@ function paretoFront(rows, metric) {
 function metricText(row, metric) {
   const [value, error] = estimateOf(row, metric.name);
   const unit = metric.unit ? ` ${metric.unit}` : "";
-  return `${metric.label} ${figure(value)}${error === null ? "" : ` ${uncertainty(value, error)}`}${unit}`;
+  return `${metric.label} ${estimated(value, error)}${error === null ? "" : ` ${uncertainty(value, error)}`}${unit}`;
 }

@@ -299,7 +299,7 @@ class Plot {
     this.tip.replaceChildren(
       h("p", {}, marker(row), " ", h("b", {}, row.renderer), " ", modeName(row)),
       h("dl", {},
-        line(this.metric.title, `${figure(value)} ${uncertainty(value, error)}`),
+        line(this.metric.title, `${estimated(value, error)} ${uncertainty(value, error)}`),
         line("CPU seconds", `${figure(row.cpu[0])} ${uncertainty(...row.cpu)}`),
         line("samples a pixel", figure(row.spp)),
         line("efficiency", figure(efficiencyOf(row)[0])),

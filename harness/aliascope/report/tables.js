@@ -84,7 +84,7 @@ class ModeTable {
     };
     const columns_ = {};
     for (const [key, list] of Object.entries(pairs)) {
-      columns_[key] = alignPoints(list.map(([value]) => (key === "cpu" ? timeFigure : figure)(value)));
+      columns_[key] = alignPoints(list.map(([value, error]) => (key === "cpu" ? timeFigure(value) : estimated(value, error))));
       columns_[`${key}±`] = alignPoints(list.map(([value, error]) => (value === null ? "" : uncertainty(value, error))));
     }
     columns_.error = columns_.error.map((text, i) => (badnessOf(this.sorted[i], metric) === -Infinity ? "∞" : text));

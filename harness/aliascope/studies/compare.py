@@ -226,6 +226,7 @@ def summary_lines(result: Comparison, plan: Plan) -> list[str]:
     lines += [f"empty {scene}: {reason}" for scene, _, reason in sorted(reasons)]
     lines += data.headlines
     kept = f", {data.reused} of them from before" if data.reused else ""
-    lines.append(f"{data.pictures} pictures{kept}, {len(data.failures)} failed, {data.wall_seconds:.0f} s")
+    pictures = f"{data.pictures} picture{'s' * (data.pictures != 1)}"
+    lines.append(f"{pictures}{kept}, {len(data.failures)} failed, {data.wall_seconds:.0f} s")
     lines.append(str(result.report))
     return lines

@@ -34,10 +34,10 @@ def _to_reach(scenes: Sequence[SceneSection]) -> str:
         able = [mode for mode in own if _rmse(mode) <= target]
         if able:
             fastest = min(able, key=lambda mode: _value(mode.cpu_seconds))
-            parts.append(f"{renderer} {_time(_value(fastest.cpu_seconds))} ({fastest.label})")
+            parts.append(f"{renderer} {_time(fastest.cpu_seconds)} ({fastest.label})")
         else:
             best = min(own, key=_rmse)
-            parts.append(f"{renderer} cannot (its best is {_rmse(best):.2g}, {best.label})")
+            parts.append(f"{renderer} cannot (its best is {_figure(best.metrics['rmse'])}, {best.label})")
     over = f"the scene {common[0].name}" if len(common) == 1 else f"{len(common)} scenes"
     return f"CPU time a picture to reach an RMSE of {target:g} over {over}: {'; '.join(parts)}."
 
@@ -46,10 +46,21 @@ def _rmse(mode: Curve) -> float:
     return _value(mode.metrics["rmse"])
 
 
-def _time(seconds: float) -> str:
+def _time(estimate: Estimate) -> str:
+    seconds = _value(estimate)
     if seconds <= 0.0:  # POV-Ray tells whole milliseconds
         return "less time than it can tell"
-    return f"{seconds * 1e3:.2g} ms" if seconds < 0.0995 else f"{seconds:.2g} s"
+    return f"{_figure(estimate, 1e3)} ms" if seconds < 0.0995 else f"{_figure(estimate)} s"
+
+
+def _figure(estimate: Estimate, scale: float = 1.0) -> str:
+    """Two digits, and the standard error with one, where it is known."""
+    error = estimate.standard_error
+    return _digits(_value(estimate) * scale, 2) + (f" ± {_digits(error * scale, 1)}" if error else "")
+
+
+def _digits(value: float, count: int) -> str:
+    return f"{value:.0f}" if value >= 99.5 else f"{value:.{count}g}"
 
 
 def _rates(scenes: Sequence[SceneSection]) -> str:
