@@ -319,6 +319,21 @@ def test_the_legend_is_that_of_the_plot(open_page: Open) -> None:
     assert listed == {"uniform halton", "am2", "msaa"}  # "uniform halton mitchell" has a plot of its own
 
 
+def test_hidden_families_and_opened_tables_are_in_the_address(open_page: Open) -> None:
+    page = open_page()
+    page.locator("#legend button", has_text="am2").click()
+    page.locator("#pooled summary").click()
+    assert fragment(page)["opened"] == "pooled"
+    again = open_page("#" + urlsplit(page.url).fragment)
+    assert again.locator("#legend button[aria-pressed=false]").all_inner_texts() == [" am2"]
+    assert again.locator("#overview-plot .point.gone").count() == 1
+    assert again.locator("#pooled table").is_visible()
+    again.locator("#legend button", has_text="am2").click()
+    again.locator("#pooled summary").click()
+    assert not {"hidden", "opened"} & fragment(again).keys()
+    assert again.locator(".point.gone").count() == 0
+
+
 def test_a_mode_that_lacks_a_scene_is_hollow_and_said(open_page: Open) -> None:
     page = open_page("#scene=zone-plate")
     hollow = page.locator("#overview-plot .point.hollow")

@@ -159,24 +159,29 @@ function legend(host, plots) {
   for (const renderer of documentData.renderers) {
     const families = documentData.families.filter(([name, family]) => name === renderer && pooled.has(`${name}\n${family}`));
     if (!families.length) continue;
-    const items = families.map(([, family]) => {
+    const items = families.map((entry) => {
+      const family = entry[1];
       const key = `${renderer}\n${family}`;
+      const index = String(documentData.families.indexOf(entry));
       const emphasise = (on) => plots.forEach((plot) => plot.emphasise(on ? key : null));
       const toggle = h("button",
         {
           type: "button", "aria-pressed": "true", title: "hide or show",
           pointerenter: () => emphasise(true), pointerleave: () => emphasise(false),
           focus: () => emphasise(true), blur: () => emphasise(false),
-          click: () => {
-            const shown = toggle.getAttribute("aria-pressed") !== "true";
-            toggle.setAttribute("aria-pressed", String(shown));
-            for (const plot of plots) {
-              plot.hidden[shown ? "delete" : "add"](key);
-              plot.applyHidden();
-            }
-          },
+          click: () => change({ hidden: withName(state.hidden, index, toggle.getAttribute("aria-pressed") === "true") }),
         },
         marker({ renderer, family }), " ", familyName(renderer, family));
+      const show = () => {
+        const hidden = (state.hidden ?? "").split(",").includes(index);
+        toggle.setAttribute("aria-pressed", String(!hidden));
+        for (const plot of plots) {
+          plot.hidden[hidden ? "add" : "delete"](key);
+          plot.applyHidden();
+        }
+      };
+      onChange((changed) => changed.has("hidden") && show());
+      show();
       return h("li", {}, toggle);
     });
     const name = h("h4", {}, h("span", { class: "dot", "aria-hidden": "true" }), renderer);
