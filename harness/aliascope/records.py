@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,6 +87,23 @@ class Estimate:
 
 
 @dataclass(frozen=True)
+class MetricInfo:
+    """What a report says of a metric, and how it orders and plots it.
+
+    `better`: which values are, "zero" for a signed error. `best` is the value of equal pictures where more is better
+    and it is finite: plots then show how far from it. `signed`: less is better and the values can be negative.
+    `axis` is the title of its axis, where that says more than the label.
+    """
+
+    label: str
+    better: Literal["less", "more", "zero"]
+    unit: str = ""
+    best: float | None = None
+    signed: bool = False
+    axis: str = ""
+
+
+@dataclass(frozen=True)
 class ModeRow:
     """One renderer and mode on one scene, over all its seeds, as the report shows it.
 
@@ -108,7 +126,7 @@ class ModeRow:
 
 @dataclass(frozen=True)
 class SceneSection:
-    """One scene of the report. `reference_note` says how the reference was made and how exact it is."""
+    """One scene of the report under one filter. `reference_note` says how the reference was made, how exact it is."""
 
     name: str
     title: str
@@ -117,6 +135,7 @@ class SceneSection:
     reference_note: str
     rows: tuple[ModeRow, ...]
     empty: tuple[EmptyCell, ...] = ()
+    filter: str = "box"
 
 
 @dataclass(frozen=True)
@@ -144,5 +163,7 @@ class ReportData:
     failures: tuple[Failure, ...]
     machine: Mapping[str, str]
     versions: Mapping[str, str]
+    metrics: Mapping[str, MetricInfo]
+    """Of all metrics that the rows have."""
     skipped: Mapping[str, str] = field(default_factory=dict)
     """Renderers that are not there, and why."""

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from aliascope.records import EmptyCell, ReportData, SceneSection
+from aliascope.records import EmptyCell, Estimate, ReportData, SceneSection
 from aliascope.report import write_report
 from browser.conftest import wait_ready
 from browser.report_data import BRIGHT, DARK, HEADLINE, HOSTILE, MARK, NOT_A_NUMBER
@@ -307,6 +307,33 @@ def test_the_plot_has_all_renderers_in_their_colours(open_page: Open) -> None:
     assert page.locator("#overview-plot .bar").count() >= 2  # of embree: the others have no uncertainty of their time
 
 
+def test_a_scene_counts_once(open_page: Open) -> None:
+    page = open_page()
+    assert page.locator(".figure-head h3").inner_text() == "Error against time, all 3 scenes"
+    assert page.locator(".over option").first.inner_text() == "all 3 scenes"
+
+
+def test_the_legend_is_that_of_the_plot(open_page: Open) -> None:
+    page = open_page()
+    listed = {text.strip() for text in page.locator("#legend button").all_inner_texts()}
+    assert listed == {"uniform halton", "am2", "msaa"}  # "uniform halton mitchell" has a plot of its own
+
+
+def test_hidden_families_and_opened_tables_are_in_the_address(open_page: Open) -> None:
+    page = open_page()
+    page.locator("#legend button", has_text="am2").click()
+    page.locator("#pooled summary").click()
+    assert fragment(page)["opened"] == "pooled"
+    again = open_page("#" + urlsplit(page.url).fragment)
+    assert again.locator("#legend button[aria-pressed=false]").all_inner_texts() == [" am2"]
+    assert again.locator("#overview-plot .point.gone").count() == 1
+    assert again.locator("#pooled table").is_visible()
+    again.locator("#legend button", has_text="am2").click()
+    again.locator("#pooled summary").click()
+    assert not {"hidden", "opened"} & fragment(again).keys()
+    assert again.locator(".point.gone").count() == 0
+
+
 def test_a_mode_that_lacks_a_scene_is_hollow_and_said(open_page: Open) -> None:
     page = open_page("#scene=zone-plate")
     hollow = page.locator("#overview-plot .point.hollow")
@@ -343,6 +370,43 @@ def test_which_one(open_page: Open) -> None:
     assert "best is 0.1" in page.locator(".answer tr", has_text="osmesa").inner_text()
 
 
+def test_the_question_changes_by_typing_not_by_passing(open_page: Open) -> None:
+    page = open_page("#scene=edge")
+    time, error = page.locator(".questions input[type=text]").all()
+    before = page.locator(".answer").inner_text()
+    time.focus()
+    page.keyboard.press("Tab")
+    expect(error).to_be_focused()
+    page.keyboard.press("Tab")
+    assert page.locator(".answer").inner_text() == before
+    assert page.get_by_role("radio", name="I have").is_checked()
+    assert not {"time", "error"} & fragment(page).keys()
+    error.fill("0,03")
+    assert fragment(page)["error"] == "0.03"
+    assert page.get_by_role("radio", name="I need").is_checked()
+
+
+def test_an_error_asked_for_goes_with_its_metric(open_page: Open) -> None:
+    page = open_page()
+    error = page.locator(".questions input[type=text]").nth(1)
+    error.fill("0.09")
+    page.get_by_label("Error as").select_option("psnr")
+    decibels = float(fragment(page)["error"])
+    assert 15.0 < decibels < 50.0  # RMSE is 0.005 to 0.12
+    assert float(error.input_value()) == decibels
+    linked = open_page("#metric=psnr&error=31")
+    assert linked.locator(".questions input[type=text]").nth(1).input_value() == "31"
+
+
+def test_a_metric_says_which_values_are_better(open_page: Open) -> None:
+    page = open_page("#scene=edge&metric=sharpness")
+    first, *_, last = page.locator(".scene:not([hidden]) .modes tbody tr").all_inner_texts()
+    assert "uniform halton, n=64" in first  # the least noise
+    assert "msaa, n=4" in last
+    assert visible(page, ".modes td.best:nth-child(2)")[0].strip().startswith("3.00")  # 3 - 0.005
+    assert "sharpness ≥" in page.locator(".questions").inner_text()
+
+
 def test_metrics_without_a_value(open_page: Open) -> None:
     page = open_page("#scene=edge&metric=max")
     assert set(visible(page, ".modes td:nth-child(2)")) == {"–"}
@@ -351,11 +415,48 @@ def test_metrics_without_a_value(open_page: Open) -> None:
     assert {text.strip() for text in visible(page, ".modes td:nth-child(2)")} == {"−0.00100"}
 
 
+def test_a_time_too_short_to_be_told_is_not_the_best(open_page: Open, data: ReportData, tmp_path: Path) -> None:
+    scene = data.scenes[0]
+    rows = tuple(replace(r, cpu_seconds=Estimate(0.0, 0.0)) if r.renderer == "povray" else r for r in scene.rows)
+    page = open_page()
+    page.goto(write_report(tmp_path, replace(data, scenes=(replace(scene, rows=rows),))).as_uri())
+    wait_ready(page)
+    table = page.locator(".scene .modes")
+    povray = table.locator("tbody tr", has_text="povray").locator("td").all_inner_texts()
+    assert [text.strip() for text in povray[3:7]] == ["too short", "", "–", ""]
+    assert table.locator("td:nth-child(5).best").count() == 1
+    assert "best" in (table.locator("tbody tr", has_text="osmesa").locator("td").nth(3).get_attribute("class") or "")
+    assert "too short a time" in page.locator(".answer").inner_text()
+    assert "povray am2, depth=3" in page.locator("#overview-plot .note").inner_text()
+
+
 def test_dark_and_light(open_page: Open) -> None:
     background = "getComputedStyle(document.documentElement).backgroundColor"
     light, dark = (open_page(scheme=scheme).evaluate(background) for scheme in ("light", "dark"))
     assert min(int(c) for c in re.findall(r"\d+", light)) > 230
     assert max(int(c) for c in re.findall(r"\d+", dark)) < 40
+
+
+def test_a_figure_has_no_digits_below_its_uncertainty(open_page: Open, data: ReportData, tmp_path: Path) -> None:
+    scene = data.scenes[0]
+    given = {"uniform:n=4": Estimate(0.0000935, 0.0012), "uniform:n=64": Estimate(-0.00002, 0.0012)}
+    rows = [
+        replace(row, metrics={**row.metrics, "structure": given.get(row.mode, Estimate(0.3031, 0.0012))})
+        for row in scene.rows
+    ]
+    page = open_page()
+    path = write_report(tmp_path, replace(data, scenes=(replace(scene, rows=tuple(rows)),)))
+    page.goto(path.as_uri() + "#metric=structure&sort=spp-up")
+    wait_ready(page)
+    found = [text.strip("\u2007\u2008 ") for text in visible(page, ".modes td:nth-child(2)")]
+    assert sorted(found) == ["0.0000", "0.0001", "0.303", "0.303"]
+
+
+def test_a_narrow_table_is_for_fingers(open_page: Open) -> None:
+    page = open_page(width=380)
+    box = page.locator(".slots .slot").first.bounding_box()
+    assert box is not None
+    assert min(box["width"], box["height"]) >= 32
 
 
 @pytest.mark.parametrize("scene", [0, 2])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from aliascope.records import Estimate, ModeRow, SceneSection
@@ -56,8 +58,33 @@ def test_scenes_are_joined_by_the_mean_square_and_only_those_that_all_drew_count
 
 def test_a_scene_under_another_filter_is_no_scene_more() -> None:
     scenes = [section("a", *tracer(0.05)), section("b", *tracer(0.05))]
-    filtered = section("a, mitchell", row("embree", "uniform random, mitchell", 64, 0.5, 1.0))
-    assert headlines([*scenes, filtered])[0] == headlines(scenes)[0]
+    rows = [replace(mode, family="uniform random mitchell") for mode in tracer(0.5)]
+    filtered = replace(section("a, mitchell", *rows), filter="mitchell")
+    assert headlines([*scenes, filtered]) == headlines(scenes)
+    assert len(headlines(scenes)) == 2
+    assert "mean over scenes" not in headlines([scenes[0], filtered])[1]
+
+
+def test_figures_have_their_uncertainty() -> None:
+    fast = replace(row("embree", "u", 16, 0.1, 0.0), cpu_seconds=Estimate(0.00212, 0.00031))
+    slow = replace(row("povray", "am1", 3, 0.3, 123.4), metrics={"rmse": Estimate(0.3, 0.012)})
+    (first, *_) = headlines([section("one", fast, slow)])
+    assert first.endswith("embree 2.1 ± 0.3 ms (u, n=16); povray cannot (its best is 0.3 ± 0.01, am1, n=3).")
+    (first, *_) = headlines([section("one", replace(slow, cpu_seconds=Estimate(123.4, 2.0)), row("a", "b", 1, 0.2, 1))])
+    assert "a 1 s (b, n=1)" in first
+    assert "povray cannot" in first
+    (first, *_) = headlines([section("one", row("povray", "am1", 3, 0.1, 123.4))])
+    assert "povray 123 s" in first
+
+
+def test_no_time_of_zero_is_named() -> None:
+    scene = section("one", row("embree", "uniform random", 16, 0.1, 2e-3), row("povray", "none", 1, 0.15, 0.0))
+    assert headlines([scene])[0] == (
+        "CPU time a picture to reach an RMSE of 0.1 over the scene one: embree 2 ms (uniform random, n=16); "
+        "povray cannot (its best is 0.15, none, n=1)."
+    )
+    (first, *_) = headlines([section("one", row("embree", "u", 16, 0.2, 2e-3), row("povray", "none", 1, 0.15, 0.0))])
+    assert first.endswith("embree 2 ms (u, n=16); povray less time than it can tell (none, n=1).")
 
 
 def test_nothing_is_said_of_nothing() -> None:

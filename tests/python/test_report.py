@@ -6,7 +6,10 @@ import csv
 import html
 import json
 import math
+import os
 import re
+import subprocess
+import sys
 import zlib
 from base64 import b64decode
 from dataclasses import replace
@@ -17,14 +20,16 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 
+from aliascope import metrics
 from aliascope.errors import InvalidInput, NotAvailable, NotWritable
-from aliascope.records import EmptyCell, Estimate, Failure, ModeRow, Pixels, ReportData, SceneSection
+from aliascope.records import EmptyCell, Estimate, Failure, MetricInfo, ModeRow, Pixels, ReportData, SceneSection
 from aliascope.report import page, write_report
 from aliascope.report.document import document, script_json
 from aliascope.report.encode import PictureStore, decode_picture, encode_picture, error_map, error_scale, round_up
 from aliascope.report.filters import FREQUENCIES, filter_responses, filters_csv
-from aliascope.report.plots import colours, plots_of
+from aliascope.report.plots import Plot, colours, limits, plot_svg, plots_of, svg_of
 from aliascope.report.pool import curve_of, efficiency, in_common, pareto_front, pool
 from aliascope.report.signal_plots import MOST_LINES, telling
 from aliascope.report.spectra import (
@@ -41,6 +46,7 @@ from aliascope.report.spectra import (
 from aliascope.spectrum import radial_spectrum
 
 HOSTILE = "</script><!--<script>alert('$x^{$')\u2028&\"\n,=1"
+METRICS = {name: MetricInfo(name, "less") for name in ("rmse", "psnr", "max", "bias", "structure")}
 NAN, INF = math.nan, math.inf
 
 
@@ -54,7 +60,7 @@ def row_of(
 def data_of(*scenes: SceneSection) -> ReportData:
     failure = Failure("one", "povray", "am2", HOSTILE, f"aliascope {HOSTILE}")
     named = {HOSTILE: HOSTILE}
-    return ReportData("t", "2026-12-01", 1.0, 2, 0, (HOSTILE,), scenes, (failure,), named, named, named)
+    return ReportData("t", "2026-12-01", 1.0, 2, 0, (HOSTILE,), scenes, (failure,), named, named, METRICS, named)
 
 
 def scene_of(name: str, *rows: ModeRow) -> SceneSection:
@@ -177,7 +183,9 @@ def test_a_scene_under_another_filter_is_not_pooled() -> None:
     """Its modes are of no other scene: over both, every mode would lack one, and none be on the front."""
     pixels = np.zeros((3, 4, 3), np.float32)
     box, filtered = row_of("embree", "a", 0.3, 1.0, pixels), row_of("embree", "a:filter=mitchell", 0.1, 1.0, pixels)
-    scenes = scene_of("one", box), scene_of("two", box), scene_of("one, mitchell", filtered)
+    scenes = scene_of("one", box), scene_of("two", box), replace(scene_of("one, mitchell", filtered), filter="mitchell")
+    assert next(plot.title for plot in plots_of(data_of(*scenes))) == "All 2 scenes"
+    assert next(plot.title for plot in plots_of(data_of(scenes[0], scenes[2]))) == "The scene one"
     assert [scene.name for scene in in_common(scenes)] == ["one", "two"]
     assert all(curve.missing == () for curve in pool(in_common(scenes)))
 
@@ -187,6 +195,24 @@ def test_the_front_is_what_nothing_beats(points: list[tuple[int, int]]) -> None:
     found = {points[i] for i in pareto_front(points)}
     expected = {p for p in points if not any(q != p and q[0] <= p[0] and q[1] <= p[1] for q in points)}
     assert found == expected
+
+
+def test_metrics_say_which_values_are_better() -> None:
+    """Of two pictures with the same error, one of them 10 times as large, and structured."""
+    rng = np.random.default_rng(4)
+    reference = np.full((48, 64, 3), 0.5, np.float32)
+    noise = rng.normal(0.0, 0.01, reference.shape).astype(np.float32)
+    wave = np.cos(2.0 * np.pi * 0.25 * np.arange(64))[np.newaxis, :, np.newaxis].astype(np.float32)
+    good, bad = metrics.measure(reference + noise, reference), metrics.measure(reference + 0.1 * wave - 0.05, reference)
+    for name, about in metrics.ABOUT.items():
+        better, worse = good[name].value, bad[name].value
+        assert better is not None
+        assert worse is not None
+        if about.better == "zero":
+            assert abs(better) < abs(worse), name
+        else:
+            assert (better < worse) == (about.better == "less"), name
+        assert about.best in (None, metrics.measure(reference, reference, [name])[name].value), name
 
 
 # Signals.
@@ -386,6 +412,57 @@ def test_the_same_data_gives_the_same_files(tmp_path: Path) -> None:
     assert len(files) == 18
     for file in files:
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes(), file
+
+
+FIGURES = """
+import sys
+from pathlib import Path
+from aliascope.report import write_report
+from browser.report_data import report_data
+write_report(Path(sys.argv[1]), report_data())
+"""
+
+
+def test_two_processes_draw_the_same_figures(tmp_path: Path) -> None:
+    """Addresses and hashes differ between them, and with these the last digits of matplotlib's layout."""
+    paths = os.pathsep.join([str(Path(__file__).parents[1]), *sys.path])
+    for name in ("one", "two"):
+        environment = {**os.environ, "PYTHONPATH": paths, "PYTHONHASHSEED": str(len(name))}
+        subprocess.run([sys.executable, "-c", FIGURES, str(tmp_path / name)], check=True, env=environment)
+    figures = sorted(path.name for path in (tmp_path / "one" / "plots").glob("*.svg"))
+    assert len(figures) == 10  # 4 scenes' plots and spectra, all scenes, the filters
+    for figure in figures:
+        texts = {(tmp_path / name / "plots" / figure).read_bytes() for name in ("one", "two")}
+        assert len(texts) == 1, figure
+
+
+def test_the_last_digits_of_a_layout_are_not_drawn() -> None:
+    """Two processes seldom differ in them; that they are rounded off is seen in one."""
+    figures = []
+
+    def draw(figure: Figure) -> None:
+        figures.append(figure)
+        figure.add_subplot().set_ylabel("y")
+
+    svg_of(draw, (3.0, 2.0))
+    bounds = figures[0].axes[0].get_position().bounds
+    assert bounds == pytest.approx([round(value, 6) for value in bounds], rel=1e-14)
+
+
+@pytest.mark.parametrize("seconds", [(0.001,), (0.0,), (0.001, 0.001), (0.001, 0.0)])
+def test_few_times_are_plotted_without_a_warning(seconds: tuple[float, ...], recwarn: pytest.WarningsRecorder) -> None:
+    pixels = np.zeros((3, 4, 3), np.float32)
+    curves = tuple(curve_of(row_of("povray", "none", 0.1, t, pixels, 0.0)) for t in seconds)
+    svg = plot_svg(Plot("one", "One", curves), colours(["povray"]))
+    assert ElementTree.fromstring(svg).tag.endswith("svg")
+    assert [str(warning.message) for warning in recwarn] == []
+
+
+def test_limits_have_room_for_points_and_bars() -> None:
+    low, high = limits([0.01, 0.1], [None, 0.05])
+    assert low < 0.01 < 0.15 < high < 0.2
+    low, high = limits([0.01], [0.02])  # a bar that would reach 0 has its end out of sight
+    assert 0.0 < low < 0.01 < 0.03 < high
 
 
 def test_colours_are_those_of_the_renderers() -> None:

@@ -11,22 +11,28 @@ from aliascope.metrics.base import Measured, Metric
 from aliascope.metrics.differences import bias, largest, mae, p99, psnr, relative_mse, rmse
 from aliascope.metrics.local_structure import structure
 from aliascope.metrics.perceptual import flip, ssim
-from aliascope.records import Pixels
+from aliascope.records import MetricInfo, Pixels
 
-__all__ = ["METRICS", "Measured", "Metric", "check_finite", "chosen", "measure"]
+__all__ = ["ABOUT", "METRICS", "Measured", "Metric", "check_finite", "chosen", "measure"]
 
-METRICS: Mapping[str, Metric] = {
-    "bias": bias,
-    "mae": mae,
-    "rmse": rmse,
-    "psnr": psnr,
-    "relative-mse": relative_mse,
-    "max": largest,
-    "p99": p99,
-    "ssim": ssim,
-    "flip": flip,
-    "structure": structure,
+_ALL: Mapping[str, tuple[Metric, MetricInfo]] = {
+    "bias": (bias, MetricInfo("bias", "zero")),
+    "mae": (mae, MetricInfo("mean |error|", "less")),
+    "rmse": (rmse, MetricInfo("RMSE", "less")),
+    "psnr": (psnr, MetricInfo("PSNR", "more", unit="dB")),
+    "relative-mse": (relative_mse, MetricInfo("relative MSE", "less")),
+    "max": (largest, MetricInfo("largest |error|", "less")),
+    "p99": (p99, MetricInfo("99th percentile of |error|", "less")),
+    "ssim": (ssim, MetricInfo("SSIM", "more", best=1.0)),
+    "flip": (flip, MetricInfo("FLIP", "less")),
+    "structure": (
+        structure,
+        MetricInfo("structure", "less", signed=True, axis="structure of the error (0: noise)"),
+    ),
 }
+METRICS: Mapping[str, Metric] = {name: metric for name, (metric, _) in _ALL.items()}
+ABOUT: Mapping[str, MetricInfo] = {name: about for name, (_, about) in _ALL.items()}
+"""What a report says of each, and which values are better."""
 
 
 def chosen(text: str | None) -> list[str]:

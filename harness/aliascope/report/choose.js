@@ -2,7 +2,9 @@
 
 function metricChooser() {
   const options = metricNames.map((name) => h("option", { value: name }, metricOf(name).title));
-  const select = h("select", { id: "metric", change: () => change({ metric: select.value }) }, options);
+  // An error asked for is one of the metric that it was asked in.
+  const pick = (name) => change({ metric: name, ...(state.error === null ? {} : { error: Number(usualError(metricOf(name))) }) });
+  const select = h("select", { id: "metric", change: () => pick(select.value) }, options);
   const show = () => (select.value = state.metric);
   onChange((changed) => changed.has("metric") && show());
   show();
@@ -11,8 +13,8 @@ function metricChooser() {
 
 /** "all 7 scenes", or of how many. */
 const scopeName = (() => {
-  const [pooled, all] = [documentData.pooledScenes.length, documentData.scenes.length];
-  if (all === 1) return `the scene ${documentData.scenes[0].name}`;
+  const [pooled, all] = [documentData.pooledScenes.length, documentData.countedScenes.length];
+  if (all === 1) return `the scene ${documentData.countedScenes[0]}`;
   if (pooled === all && all === 2) return "both scenes";
   return pooled === all ? `all ${all} scenes` : `${pooled} of ${all} scenes`;
 })();
@@ -33,6 +35,7 @@ function usualTime(rows, metric) {
 /** The best row for what is asked: {row}, or {reason} where there is none. `rows` are one renderer's or all. */
 function answer(rows, metric, asked) {
   const front = paretoFront(rows, metric);
+  if (!front.length && rows.some((row) => row.cpu[0] === 0)) return { reason: "too short a time" };
   if (!front.length) return { reason: rows.some((row) => row.missing.length) ? "lacks scenes" : "has no figures" };
   if (asked.time !== null) {
     const within = front.filter(({ time }) => time <= asked.time);
@@ -44,12 +47,20 @@ function answer(rows, metric, asked) {
   return found ? { row: found.row } : { reason: `best is ${figure(estimateOf(best, metric.name)[0])}` };
 }
 
+/** What a time reaches, or the usual one, to two digits: a start for the question of the error. */
+function usualError(metric, time = null) {
+  const rows = scopeRows();
+  const { row } = answer(rows, metric, { time: time ?? usualTime(rows, metric), error: null });
+  const value = row ? estimateOf(row, metric.name)[0] : null;
+  return value === null ? "0.01" : String(Number(value.toPrecision(2)));
+}
+
 class Chooser {
   constructor(host) {
     this.time = this.input("time", "any positive time in seconds");
     this.error = this.input("error", "an error in the metric chosen");
-    this.timeRadio = h("input", { type: "radio", name: "ask", value: "time", change: () => this.ask("time") });
-    this.errorRadio = h("input", { type: "radio", name: "ask", value: "error", change: () => this.ask("error") });
+    this.timeRadio = h("input", { type: "radio", name: "ask", value: "time", change: () => this.turn("time") });
+    this.errorRadio = h("input", { type: "radio", name: "ask", value: "error", change: () => this.turn("error") });
     this.errorName = h("span");
     this.over = h("select", { "aria-label": "scenes", change: () => change({ over: this.over.value }) });
     this.result = h("div", { class: "answer", "aria-live": "polite" });
@@ -69,20 +80,32 @@ class Chooser {
 
   input(key, title) {
     const node = h("input", { type: "text", inputmode: "decimal", size: 7, title, "aria-label": title, autocomplete: "off" });
-    const read = () => {
-      const value = Number(node.value.trim().replace(",", ".").replace("\u2212", "-"));
-      const good = node.value.trim() !== "" && Number.isFinite(value) && (key !== "time" || value > 0);
-      node.setAttribute("aria-invalid", String(!good));
-      if (good) change(key === "time" ? { time: value, error: null } : { time: null, error: value });
-    };
-    node.addEventListener("input", read);
-    node.addEventListener("focus", () => this.ask(key));
+    node.addEventListener("input", () => this.ask(key));
     return node;
   }
 
+  /** What a field says, null where that makes no sense. */
+  said(key) {
+    const text = this[key].value.trim().replace(",", ".").replace("\u2212", "-");
+    const value = text === "" ? NaN : Number(text);
+    return Number.isFinite(value) && (key !== "time" || value > 0) ? value : null;
+  }
+
   ask(key) {
-    const value = Number(this[key].value);
-    change(key === "time" ? { time: value, error: null } : { time: null, error: value });
+    const value = this.said(key);
+    this[key].setAttribute("aria-invalid", String(value === null));
+    if (value !== null) change(key === "time" ? { time: value, error: null } : { time: null, error: value });
+  }
+
+  turn(key) {
+    this.ask(key);
+    this.show(); // where the field makes no sense, the question stays
+  }
+
+  /** Puts a value into a field that does not say it; "0.10" may stay while it is typed. */
+  write(key, value) {
+    if (this.said(key) !== value) this[key].value = String(value);
+    this[key].setAttribute("aria-invalid", "false");
   }
 
   show() {
@@ -93,21 +116,14 @@ class Chooser {
     this.timeRadio.checked = !byError;
     this.errorRadio.checked = byError;
     this.errorName.textContent = `${metric.label} ${metric.more ? "≥" : "≤"}`;
-    if (!byError && document.activeElement !== this.time) this.time.value = String(asked.time);
-    if (byError && document.activeElement !== this.error) this.error.value = String(asked.error);
-    if (!byError) this.error.value = this.usualError(rows, metric, asked);
+    if (byError) this.write("error", asked.error);
+    else this.write("time", asked.time);
+    if (!byError && document.activeElement !== this.error) this.error.value = usualError(metric, asked.time);
     this.over.replaceChildren(
       h("option", { value: "all" }, scopeName),
       ...(documentData.scenes.length === 1 ? [] : [h("option", { value: "scene" }, state.scene)]));
     this.over.value = documentData.scenes.length === 1 ? "all" : state.over;
     this.result.replaceChildren(this.table(rows, metric, asked));
-  }
-
-  /** What the time asked for reaches, as a start for the other question. */
-  usualError(rows, metric, asked) {
-    const { row } = answer(rows, metric, asked);
-    const value = row ? estimateOf(row, metric.name)[0] : null;
-    return value === null ? "0.01" : String(Number(value.toPrecision(2)));
   }
 
   table(rows, metric, asked) {
@@ -139,25 +155,33 @@ class Chooser {
 /** Renderers and families; a family is brought forward under the pointer and hidden or shown by a click. */
 function legend(host, plots) {
   host.append(h("h3", {}, "Legend"));
+  const pooled = new Set(documentData.pooled.map((row) => `${row.renderer}\n${row.family}`));
   for (const renderer of documentData.renderers) {
-    const items = documentData.families.filter(([name]) => name === renderer).map(([, family]) => {
+    const families = documentData.families.filter(([name, family]) => name === renderer && pooled.has(`${name}\n${family}`));
+    if (!families.length) continue;
+    const items = families.map((entry) => {
+      const family = entry[1];
       const key = `${renderer}\n${family}`;
+      const index = String(documentData.families.indexOf(entry));
       const emphasise = (on) => plots.forEach((plot) => plot.emphasise(on ? key : null));
       const toggle = h("button",
         {
           type: "button", "aria-pressed": "true", title: "hide or show",
           pointerenter: () => emphasise(true), pointerleave: () => emphasise(false),
           focus: () => emphasise(true), blur: () => emphasise(false),
-          click: () => {
-            const shown = toggle.getAttribute("aria-pressed") !== "true";
-            toggle.setAttribute("aria-pressed", String(shown));
-            for (const plot of plots) {
-              plot.hidden[shown ? "delete" : "add"](key);
-              plot.applyHidden();
-            }
-          },
+          click: () => change({ hidden: withName(state.hidden, index, toggle.getAttribute("aria-pressed") === "true") }),
         },
         marker({ renderer, family }), " ", familyName(renderer, family));
+      const show = () => {
+        const hidden = (state.hidden ?? "").split(",").includes(index);
+        toggle.setAttribute("aria-pressed", String(!hidden));
+        for (const plot of plots) {
+          plot.hidden[hidden ? "add" : "delete"](key);
+          plot.applyHidden();
+        }
+      };
+      onChange((changed) => changed.has("hidden") && show());
+      show();
       return h("li", {}, toggle);
     });
     const name = h("h4", {}, h("span", { class: "dot", "aria-hidden": "true" }), renderer);

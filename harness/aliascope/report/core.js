@@ -98,6 +98,14 @@ function figure(value, digits = 3) {
 /** A round number, such as the end of a scale, without more digits than it has. */
 const roundFigure = (value) => (value < 1e-4 || value >= 1e6 ? scientific(value, 1) : String(Number(value.toPrecision(3))));
 
+/** A figure without digits far below its uncertainty: 0.0000935 ± 0.0012 is 0.0001. */
+function estimated(value, error) {
+  const most = error ? Math.max(0, -exponent(error)) + 1 : Infinity;
+  if (!value || most > 7 || decimalsFor(value) <= most) return figure(value);
+  const text = Math.abs(value).toFixed(most);
+  return value < 0 && Number(text) !== 0 ? `\u2212${text}` : text;
+}
+
 /** The uncertainty of a figure, to its last digit or to one digit of its own where that is finer. */
 function uncertainty(value, error) {
   if (error === null || error === undefined) return "";
@@ -127,11 +135,14 @@ function alignPoints(texts) {
   const tails = texts.map((text) => (/^[^×]*\.(\d+)$/.exec(text)?.[1].length ?? 0));
   const longest = Math.max(0, ...tails);
   return texts.map((text, i) => {
-    if (text.includes("×") || text === "–" || text === "") return text;
+    if (text.includes("×") || !/\d/.test(text)) return text;
     const point = longest > 0 && tails[i] === 0 ? "\u2008" : "";
     return text + point + "\u2007".repeat(longest - tails[i]);
   });
 }
+
+/** CPU seconds; a renderer whose clock goes in steps may tell 0, which is no time that a picture takes. */
+const timeFigure = (seconds) => (seconds === 0 ? "too short" : figure(seconds));
 
 const counted = (n, thing) => `${n} ${thing}${n === 1 ? "" : "s"}`;
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from aliascope.records import Estimate, ModeRow, ReportData, SceneSection
 from aliascope.report.encode import PictureStore, error_map, error_scale, worst_pixel
-from aliascope.report.pool import Curve, curve_of, in_common, pool
+from aliascope.report.pool import Curve, curve_of, in_common, pool, under_one_filter
 from aliascope.report.spectra import SceneSpectra, check_size, spectra_json
 
 Json = Any
@@ -30,11 +31,12 @@ def document(data: ReportData, pictures: PictureStore, spectra: Sequence[SceneSp
     for scene in data.scenes:
         families.update(dict.fromkeys(f"{row.renderer}\n{row.family}" for row in scene.rows))
     return {
-        "metrics": list(dict.fromkeys(m for scene in data.scenes for row in scene.rows for m in row.metrics)),
+        "metrics": {m: asdict(data.metrics[m]) for scene in data.scenes for row in scene.rows for m in row.metrics},
         "renderers": list(renderers),
         "families": [family.split("\n", 1) for family in families],
         "scenes": [_scene(scene, data, pictures, s) for scene, s in zip(data.scenes, spectra, strict=True)],
         "pooledScenes": [scene.name for scene in common],
+        "countedScenes": [scene.name for scene in under_one_filter(data.scenes)],
         "pooled": [_curve(curve) for curve in pool(common)],
     }
 

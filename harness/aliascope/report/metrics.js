@@ -1,28 +1,27 @@
 // What each metric is called, and how it is plotted: as a badness, of which less is better.
 
-const known = {
-  rmse: { label: "RMSE" },
-  mae: { label: "mean |error|" },
-  bias: { label: "bias", plotted: "|bias|", badness: Math.abs },
-  psnr: { label: "PSNR", unit: "dB", linear: true, badness: (v) => -v, value: (b) => -b, more: true },
-  "relative-mse": { label: "relative MSE" },
-  max: { label: "largest |error|" },
-  p99: { label: "99th percentile of |error|" },
-  ssim: { label: "SSIM", plotted: "1 − SSIM", badness: (v) => 1 - v, value: (b) => 1 - b, more: true },
-  flip: { label: "FLIP" },
-  structure: { label: "structure", plotted: "structure of the error (0: noise)", linear: true },
-};
-
 const same = (value) => value;
 
-function metricOf(name) {
-  const { label = name, unit = "", plotted, linear = false, badness = same, value = same, more = false } =
-    known[name] ?? {};
-  const title = unit ? `${label}, ${unit}` : label;
-  return { name, label, unit, title, plotted: plotted ?? title, linear, badness, value, more };
+/** How the values of a metric are plotted: `MetricInfo` of records.py says what it is. */
+function plottedAs({ label, better, best, signed }, title) {
+  if (better === "zero") return { plotted: `|${label}|`, linear: false, badness: Math.abs, value: same };
+  if (better === "less") return { plotted: title, linear: signed, badness: same, value: same };
+  if (best === null) return { plotted: title, linear: true, badness: (v) => -v, value: (b) => -b };
+  return { plotted: `${best} − ${label}`, linear: false, badness: (v) => best - v, value: (b) => best - b };
 }
 
-const metricNames = documentData.metrics.length ? documentData.metrics : ["rmse"];
+const nothingMeasured = { label: "error", unit: "", better: "less", best: null, signed: false, axis: "" };
+
+function metricOf(name) {
+  const about = documentData.metrics[name] ?? nothingMeasured;
+  const { label, unit, better, axis } = about;
+  const title = unit ? `${label}, ${unit}` : label;
+  const { plotted, ...rest } = plottedAs(about, title);
+  return { name, label, unit, title, more: better === "more", plotted: axis || plotted, ...rest };
+}
+
+const measured = Object.keys(documentData.metrics);
+const metricNames = measured.length ? measured : ["error"]; // a report whose jobs have all failed
 const defaultMetric = metricNames.includes("rmse") ? "rmse" : metricNames[0];
 
 const estimateOf = (row, name) => row.metrics[name] ?? [null, null];
@@ -63,5 +62,5 @@ function paretoFront(rows, metric) {
 function metricText(row, metric) {
   const [value, error] = estimateOf(row, metric.name);
   const unit = metric.unit ? ` ${metric.unit}` : "";
-  return `${metric.label} ${figure(value)}${error === null ? "" : ` ${uncertainty(value, error)}`}${unit}`;
+  return `${metric.label} ${estimated(value, error)}${error === null ? "" : ` ${uncertainty(value, error)}`}${unit}`;
 }

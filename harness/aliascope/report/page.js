@@ -124,11 +124,20 @@ function copyButtons() {
   }
 }
 
+/** A table that is opened and closed; the state says whether it is. */
+function keepOpened(name, details) {
+  if (!details) return;
+  const show = () => (details.open = (state.opened ?? "").split(",").includes(name));
+  details.addEventListener("toggle", () => change({ opened: withName(state.opened, name, details.open) }));
+  onChange((changed) => changed.has("opened") && show());
+  show();
+}
+
 /** Which scenes the overview leaves out, and why. */
 function leftOut() {
   const names = documentData.scenes.map(({ name }) => name).filter((name) => !documentData.pooledScenes.includes(name));
   if (!names.length) return [];
-  return [h("p", { class: "note" }, `Over the scenes that every renderer drew, and in the same modes: without ${names.join("; ")}.`)];
+  return [h("p", { class: "note" }, `Over the scenes that every renderer drew, under one filter: without ${names.join("; ")}.`)];
 }
 
 function start() {
@@ -147,6 +156,8 @@ function start() {
   spectra.forEach((spectrum) => spectrum.draw());
   const filters = document.getElementById("filter-panels");
   if (filters) new Filters(filters, documentData.filters);
+  keepOpened("pooled", document.getElementById("pooled"));
+  keepOpened("filters", filters?.querySelector("details"));
   const viewer = new Viewer();
   onChange((changed) => update(changed, viewer));
   showScene(viewer);

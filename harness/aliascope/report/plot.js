@@ -111,7 +111,7 @@ class Plot {
     return [
       hollow.length ? `Hollow: ${counted(hollow.length, "mode")} without every scene, left out of the front. ` : "",
       zero.length ? `On the lowest line: ${zero.length} without any error. ` : "",
-      without.length ? `Not shown, for want of a time or a ${metric.label}: ${without.map(readable).join("; ")}. ` : "",
+      without.length ? `Not shown, for want of a time that could be told or of a ${metric.label}: ${without.map(readable).join("; ")}. ` : "",
     ].filter((text) => text).map((text) => h("span", {}, text));
   }
 
@@ -299,7 +299,7 @@ class Plot {
     this.tip.replaceChildren(
       h("p", {}, marker(row), " ", h("b", {}, row.renderer), " ", modeName(row)),
       h("dl", {},
-        line(this.metric.title, `${figure(value)} ${uncertainty(value, error)}`),
+        line(this.metric.title, `${estimated(value, error)} ${uncertainty(value, error)}`),
         line("CPU seconds", `${figure(row.cpu[0])} ${uncertainty(...row.cpu)}`),
         line("samples a pixel", figure(row.spp)),
         line("efficiency", figure(efficiencyOf(row)[0])),

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -18,7 +20,7 @@ from matplotlib.lines import Line2D
 
 from aliascope.records import Estimate, ReportData
 from aliascope.report.document import number
-from aliascope.report.pool import Curve, curve_of, efficiency, in_common, pareto_front, pool, usable
+from aliascope.report.pool import Curve, curve_of, efficiency, in_common, pareto_front, pool, under_one_filter, usable
 
 OKABE_ITO: Mapping[str, str] = {"embree": "#0072B2", "povray": "#D55E00", "osmesa": "#009E73"}
 OTHERS = ("#CC79A7", "#E69F00", "#56B4E9")
@@ -64,9 +66,10 @@ def plots_of(data: ReportData) -> list[Plot]:
     if len(data.scenes) > 1:
         taken.add("all-scenes")
         common = in_common(data.scenes)
-        title = f"{len(common)} of {len(data.scenes)} scenes, which every renderer drew in the same modes"
-        if common == data.scenes:
-            title = f"All {len(common)} scenes"
+        counted = len(under_one_filter(data.scenes))
+        title = f"{len(common)} of {counted} scenes, which every renderer drew"
+        if len(common) == counted:
+            title = f"All {counted} scenes" if counted > 1 else f"The scene {common[0].name}"
         plots.append(Plot("all-scenes", title, pool(common)))
     for scene in data.scenes:
         stem = re.sub(r"[^a-z0-9]+", "-", scene.name.lower()).strip("-")[:60] or "scene"
@@ -110,6 +113,7 @@ def plot_svg(plot: Plot, palette: Mapping[str, str]) -> str:
 
     def draw(figure: Figure) -> None:
         axes = figure.add_subplot()
+        _set_limits(axes, shown)
         _draw(axes, shown, palette)
         axes.set_title(plot.title, loc="left", fontsize=9, fontweight="bold")
         axes.set_xlabel("CPU seconds a picture")
@@ -127,9 +131,18 @@ def svg_of(draw: Callable[[Figure], None], inches: tuple[float, float]) -> str:
         warnings.filterwarnings("ignore", message="Glyph")
         figure = Figure(figsize=inches, layout="constrained")
         draw(figure)
+        settle(figure)
         out = io.StringIO()
         FigureCanvasSVG(figure).print_svg(out, metadata={"Date": None, "Creator": "aliascope"})
     return out.getvalue()
+
+
+def settle(figure: Figure) -> None:
+    """Takes the layout as it is, rounded: its solver's last digits differ from run to run, and an SVG would show it."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        axes.set_position(np.round(axes.get_position(original=True).bounds, 6).tolist())
 
 
 def _coordinates(curve: Curve) -> tuple[float, float] | None:
@@ -147,6 +160,24 @@ def _front(shown: Sequence[Curve]) -> list[Curve]:
     """The Pareto front among the curves that lack no scene."""
     whole = [curve for curve in shown if not curve.missing]
     return [whole[i] for i in pareto_front([_coordinates(curve) or (0.0, 0.0) for curve in whole])]
+
+
+def _set_limits(axes: Axes, shown: Sequence[Curve]) -> None:
+    """Around the points and their bars, half a decade at least: matplotlib has no limits for a single value."""
+    if not shown:
+        return
+    x, y = zip(*(_coordinates(curve) or (1.0, 1.0) for curve in shown), strict=True)
+    axes.set_xlim(limits(x, [curve.cpu_seconds.standard_error for curve in shown]))
+    axes.set_ylim(limits(y, [curve.metrics["rmse"].standard_error for curve in shown]))
+
+
+def limits(values: Sequence[float], errors: Sequence[float | None]) -> tuple[float, float]:
+    """The ends of a logarithmic axis for positive values and their bars."""
+    spreads = [number(error) or 0.0 for error in errors]
+    low = math.log10(min(v - e if e < v else v for v, e in zip(values, spreads, strict=True)))
+    high = math.log10(max(v + e for v, e in zip(values, spreads, strict=True)))
+    room = max(0.06 * (high - low), (0.5 - (high - low)) / 2.0)
+    return 10.0 ** (low - room), 10.0 ** (high + room)
 
 
 def _draw(axes: Axes, shown: Sequence[Curve], palette: Mapping[str, str]) -> None:

@@ -41,20 +41,21 @@ def curve_of(row: ModeRow) -> Curve:
 def in_common(scenes: Sequence[SceneSection]) -> tuple[SceneSection, ...]:
     """The scenes that every renderer drew, since others would favour the one that left out the hard ones.
 
-    Of those, the ones that share a mode with the first: a scene under another filter has modes of its own, and over
-    both every mode would lack a scene. All scenes that have a row, where there is none in common.
+    All of them that have a row, where there is none in common.
     """
-    drawn = [(scene, {row.renderer for row in scene.rows}) for scene in scenes if scene.rows]
+    drawn = [(scene, {row.renderer for row in scene.rows}) for scene in under_one_filter(scenes) if scene.rows]
     every = set().union(*(renderers for _, renderers in drawn))
     common = [scene for scene, renderers in drawn if renderers == every]
-    if not common:
-        return tuple(scene for scene, _ in drawn)
-    modes = _modes(common[0])
-    return tuple(scene for scene in common if _modes(scene) & modes)
+    return tuple(common or (scene for scene, _ in drawn))
 
 
-def _modes(scene: SceneSection) -> set[tuple[str, str]]:
-    return {(row.renderer, row.mode) for row in scene.rows}
+def under_one_filter(scenes: Sequence[SceneSection]) -> tuple[SceneSection, ...]:
+    """Each scene once: the sections under the filter of the first one that was drawn.
+
+    Modes under another filter are modes of their own; over both, every mode would lack a scene.
+    """
+    first = next((scene.filter for scene in scenes if scene.rows), "box")
+    return tuple(scene for scene in scenes if scene.filter == first)
 
 
 def pool(scenes: Sequence[SceneSection]) -> tuple[Curve, ...]:

@@ -34,6 +34,15 @@ const numberIn = (text, low, high) => {
   return Number.isFinite(value) ? clamp(value, low, high) : null;
 };
 
+/** "2,5" of those that there are; null for none. */
+const listOf = (text, allowed) => allowed.filter((name) => (text ?? "").split(",").includes(name)).join(",") || null;
+
+/** A list of the state with a name put in or taken out. */
+function withName(text, name, there) {
+  const names = (text ?? "").split(",").filter((other) => other && other !== name);
+  return [...names, ...(there ? [name] : [])].join(",") || null;
+}
+
 /** The state that a fragment names; what it leaves out or gets wrong is as at the start. */
 function parseState(fragment) {
   const given = new URLSearchParams(fragment.replace(/^#/, ""));
@@ -63,6 +72,8 @@ function parseState(fragment) {
     over: given.get("over") === "scene" ? "scene" : "all",
     time: numberIn(given.get("time"), 1e-12, 1e12),
     error: numberIn(given.get("error"), -1e12, 1e12),
+    hidden: listOf(given.get("hidden"), documentData.families.map((_, i) => String(i))),
+    opened: listOf(given.get("opened"), ["pooled", "filters"]),
   };
 }
 

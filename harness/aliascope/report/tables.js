@@ -43,8 +43,9 @@ function sortedRows(rows, sort, metric) {
     .map(({ row }) => row);
 }
 
-/** The rows that are best in a column; none where all are alike. */
-function bestOf(rows, key, metric) {
+/** The rows that are best in a column; none where all are alike. A time too short to be told is no figure. */
+function bestOf(given, key, metric) {
+  const rows = key === "cpu" ? given.filter((row) => row.cpu[0] > 0) : given;
   const sign = key === "efficiency" ? -1 : 1;
   const values = rows.map((row) => sortValue(row, key, metric)).filter((value) => value !== null).map((v) => sign * v);
   const least = Math.min(...values);
@@ -78,12 +79,12 @@ class ModeTable {
   figures(metric) {
     const pairs = {
       error: this.sorted.map((row) => (badnessOf(row, metric) === -Infinity ? [null, null] : estimateOf(row, metric.name))),
-      cpu: this.sorted.map((row) => row.cpu),
+      cpu: this.sorted.map((row) => (row.cpu[0] === 0 ? [0, null] : row.cpu)),
       efficiency: this.sorted.map((row) => efficiencyOf(row).map((value) => (value === null ? null : value / 10 ** this.power))),
     };
     const columns_ = {};
     for (const [key, list] of Object.entries(pairs)) {
-      columns_[key] = alignPoints(list.map(([value]) => figure(value)));
+      columns_[key] = alignPoints(list.map(([value, error]) => (key === "cpu" ? timeFigure(value) : estimated(value, error))));
       columns_[`${key}±`] = alignPoints(list.map(([value, error]) => (value === null ? "" : uncertainty(value, error))));
     }
     columns_.error = columns_.error.map((text, i) => (badnessOf(this.sorted[i], metric) === -Infinity ? "∞" : text));

@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from aliascope import image, pipeline, places, references, renderers
+from aliascope import image, metrics, pipeline, places, references, renderers
 from aliascope.errors import CheckFailed, Interrupted, NotWritable, Unsupported
 from aliascope.pipeline import Options, Plan, Progress
 from aliascope.records import Estimate, Failure, ModeRow, Outcome, ReportData, SceneSection
@@ -77,6 +77,7 @@ def compare(
         ),
         machine=places.machine(),
         versions={"aliascope": f"{places.own_version()} ({places.revision()})", **plan.versions},
+        metrics=metrics.ABOUT,
         skipped=plan.skipped,
     )
     return Comparison(write_report(folder, data), data, len(outcomes) - reused, outcomes)
@@ -140,6 +141,7 @@ def _section(
         reference_note=_note(reference),
         rows=tuple(rows),
         empty=tuple(cell for cell in plan.empty if cell.scene == name) if box else (),
+        filter=filter_,
     )
 
 
@@ -224,6 +226,7 @@ def summary_lines(result: Comparison, plan: Plan) -> list[str]:
     lines += [f"empty {scene}: {reason}" for scene, _, reason in sorted(reasons)]
     lines += data.headlines
     kept = f", {data.reused} of them from before" if data.reused else ""
-    lines.append(f"{data.pictures} pictures{kept}, {len(data.failures)} failed, {data.wall_seconds:.0f} s")
+    pictures = f"{data.pictures} picture{'s' * (data.pictures != 1)}"
+    lines.append(f"{pictures}{kept}, {len(data.failures)} failed, {data.wall_seconds:.0f} s")
     lines.append(str(result.report))
     return lines

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from aliascope.records import Estimate, ModeRow, SceneSection
-from aliascope.report.pool import Curve, in_common, pool
+from aliascope.report.pool import Curve, in_common, pool, under_one_filter
 from aliascope.statistics import rate
 
 TARGETS = (0.01, 0.02, 0.05, 0.1, 0.2)
@@ -34,10 +34,10 @@ def _to_reach(scenes: Sequence[SceneSection]) -> str:
         able = [mode for mode in own if _rmse(mode) <= target]
         if able:
             fastest = min(able, key=lambda mode: _value(mode.cpu_seconds))
-            parts.append(f"{renderer} {_seconds(_value(fastest.cpu_seconds))} ({fastest.label})")
+            parts.append(f"{renderer} {_time(fastest.cpu_seconds)} ({fastest.label})")
         else:
             best = min(own, key=_rmse)
-            parts.append(f"{renderer} cannot (its best is {_rmse(best):.2g}, {best.label})")
+            parts.append(f"{renderer} cannot (its best is {_figure(best.metrics['rmse'])}, {best.label})")
     over = f"the scene {common[0].name}" if len(common) == 1 else f"{len(common)} scenes"
     return f"CPU time a picture to reach an RMSE of {target:g} over {over}: {'; '.join(parts)}."
 
@@ -46,14 +46,28 @@ def _rmse(mode: Curve) -> float:
     return _value(mode.metrics["rmse"])
 
 
-def _seconds(seconds: float) -> str:
-    return f"{seconds * 1e3:.2g} ms" if seconds < 0.0995 else f"{seconds:.2g} s"
+def _time(estimate: Estimate) -> str:
+    seconds = _value(estimate)
+    if seconds <= 0.0:  # POV-Ray tells whole milliseconds
+        return "less time than it can tell"
+    return f"{_figure(estimate, 1e3)} ms" if seconds < 0.0995 else f"{_figure(estimate)} s"
+
+
+def _figure(estimate: Estimate, scale: float = 1.0) -> str:
+    """Two digits, and the standard error with one, where it is known."""
+    error = estimate.standard_error
+    return _digits(_value(estimate) * scale, 2) + (f" ± {_digits(error * scale, 1)}" if error else "")
+
+
+def _digits(value: float, count: int) -> str:
+    return f"{value:.0f}" if value >= 99.5 else f"{value:.{count}g}"
 
 
 def _rates(scenes: Sequence[SceneSection]) -> str:
     """The exponents of the tracer's patterns, over scenes: each scene's own fit, then their mean and its spread."""
     families: dict[str, list[float]] = {}
-    for scene in scenes:
+    once = under_one_filter(scenes)
+    for scene in once:
         for family, rows in by_family(row for row in scene.rows if row.renderer == "embree").items():
             fit = rate([row.samples_per_pixel for row in rows], [_value(row.metrics["rmse"]) for row in rows])
             if fit:
@@ -66,7 +80,7 @@ def _rates(scenes: Sequence[SceneSection]) -> str:
         + (f", {lowest:.2f} to {highest:.2f})" if f"{lowest:.2f}" != f"{highest:.2f}" else ")")
         for average, lowest, highest, family in shown
     ]
-    spread = ", the mean over scenes and its range" if len(scenes) > 1 else ""
+    spread = ", the mean over scenes and its range" if len(once) > 1 else ""
     return f"In the tracer the error falls with the samples a pixel as{spread}: {'; '.join(parts)}."
 
 

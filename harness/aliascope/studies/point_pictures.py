@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from aliascope.point_sets import PointSpectrum
+from aliascope.report.plots import settle
 
 INK, ACCENT, GRID, SOFT = "#0072B2", "#D55E00", "#d9d9d9", "#666666"
 _STYLE: dict[Any, Any] = {
@@ -35,17 +36,9 @@ def save(figure: Figure, path: Path) -> None:
     with rc_context(_STYLE), warnings.catch_warnings():
         # A name in a script that matplotlib's font lacks is drawn as boxes.
         warnings.filterwarnings("ignore", message="Glyph")
-        _settle(figure)
+        settle(figure)
         kept = {"Date": None, "Creator": "aliascope"} if path.suffix.lower() == ".svg" else {"Software": "aliascope"}
         figure.savefig(path, dpi=160, metadata=kept)
-
-
-def _settle(figure: Figure) -> None:
-    """Takes the layout as it is, rounded: its solver's last digits differ from run to run, and an SVG would show it."""
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-    for axes in figure.axes:
-        axes.set_position(np.round(axes.get_position(original=True).bounds, 6).tolist())
 
 
 def points_figure(values: NDArray[np.float64], title: str, dimensions: list[int], weighted: bool) -> Figure:
