@@ -244,11 +244,36 @@ def test_dry_run_and_choices(tmp_path: Path) -> None:
     assert {job["renderer"] for job in jobs("-r", "osmesa")} == {"osmesa"}
     assert {job["mode"] for job in jobs("edge", "-m", "am2*")} == {"am2", "am2:depth=4"}
     assert len(jobs("edge", "-m", "regular:n=9")) == 1
+    for pattern, expected in (
+        (
+            "uniform:n=16*",
+            {"uniform", *(f"uniform:sampler={name}" for name in ("random", "regular", "jittered", "halton"))},
+        ),
+        (
+            "uniform:n=16,*",
+            {"uniform", *(f"uniform:sampler={name}" for name in ("random", "regular", "jittered", "halton"))},
+        ),
+        ("am1:depth=3*", {"am1"}),  # the profile's own text
+        ("am1:*threshold=0.1", {"am1", "am1:depth=2", "am1:depth=5"}),  # with the defaults
+        ("msaa:n=4*", {"msaa", "msaa:sample-shading=1"}),
+        ("*owen, n=6?", {"uniform:n=64"}),  # as people read it
+        ("*owen*", {"uniform", *(f"uniform:n={n}" for n in (1, 4, 64, 256))}),
+    ):
+        assert {job["mode"] for job in jobs("edge", "-m", pattern)} == expected, pattern
+    halton = {(job["renderer"], job["mode"]) for job in jobs("edge", "-m", "*halton*")}
+    assert {mode for renderer, mode in halton if renderer == "osmesa"} == {
+        "accumulate",
+        "accumulate:n=4",
+        "accumulate:n=64",
+    }
+    assert {renderer for renderer, _ in halton} == {"embree", "osmesa"}
     assert not (tmp_path / "results.sqlite").exists()
     for wrong, words in (
         (("egde",), 'did you mean "edge"?'),
         (("edge", "-r", "povrai"), 'did you mean "povray"?'),
         (("edge", "-m", "unifrom:n=4"), 'did you mean "uniform"?'),
+        (("edge", "-m", "nine"), 'did you mean "none"?'),
+        (("edge", "-m", "unifrom:n=16,*"), 'did you mean "uniform"?'),
         (("edge", "--profile", "quik"), 'did you mean "quick"?'),
         (("edge", "--resume", "-o", str(tmp_path / "absent")), "no results to resume"),
     ):
