@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import multiprocessing
+import re
 import signal
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -18,6 +19,7 @@ from pebble import ProcessExpired, ProcessFuture, ProcessPool
 from aliascope import image, metrics, places, plan, renderers
 from aliascope.errors import AliascopeError, JobFailed, NotAvailable
 from aliascope.native import samplers
+from aliascope.native.samplers import Plugin
 from aliascope.records import EmptyCell, Job, Outcome, Pixels, Rendering
 from aliascope.renderers.base import LEAST_SECONDS, Renderer, Request, filter_of, lacks
 from aliascope.scene_io import SceneFile
@@ -58,17 +60,57 @@ class Plan:
 # --- plan -------------------------------------------------------------------------------------------------------------
 
 
+COMMON = ("geometry.py", "image.py", "meshes.py", "model.py", "specs.py")
+"""What the pictures of every renderer depend on, beside renderers/ and native/ without the files of other renderers."""
+
+SAMPLER_LIBRARY = "libaliascope.so"
+
+
 @functools.cache
-def code_digest() -> str:
-    """A hash of the code that pictures depend on: when it changes, they are made again."""
+def code_of(renderer: str, with_samplers: bool) -> tuple[Path, ...]:
+    """The files whose code a picture of this renderer depends on; `with_samplers`: one of a mode with a sampler.
+
+    A mode without one depends on no sampler of the library: of it, the rasteriser takes the text of errors alone.
+    """
     here = Path(__file__).parent
-    sources = [here / "geometry.py", *(here / "renderers").glob("*.py"), *(here / "native").glob("*.py")]
+    own = _own_files(here, renderer)
+    others = {path for name in renderers.RENDERERS if name != renderer for path in _own_files(here, name)} - own
+    libraries = set((here / "native" / "lib").glob("*.so"))
+    if not with_samplers:
+        libraries = {path for path in libraries if path.name != SAMPLER_LIBRARY}
+    folders = {path for name in ("renderers", "native") for path in (here / name).glob("*.py")}
+    registries = {path for path in folders if path.name == "__init__.py"}
+    found = ({here / name for name in COMMON} | folders | libraries) - others - registries
+    return tuple(sorted(found))
+
+
+def _own_files(here: Path, renderer: str) -> set[Path]:
+    native = renderers.find(renderer).native
+    return {
+        *(here / "renderers").glob(f"{renderer}*.py"),
+        *(here / "native" / f"{name}.py" for name in native),
+        *(here / "native" / "lib" / f"libaliascope-{name}.so" for name in native),
+    }
+
+
+@functools.cache
+def _digest(paths: tuple[Path, ...]) -> str:
     digest = hashlib.sha256()
-    for path in sorted([*sources, *(here / "native" / "lib").glob("*.so")]):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    for _, sha256 in sorted(samplers.plugins().items()):
-        digest.update(sha256.encode())
+    for path in paths:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:16]
+
+
+def code_digest(renderer: str, mode: Spec) -> str:
+    """A hash of the code that pictures of this mode depend on: when it changes, they are made again."""
+    return _digest(code_of(renderer, any(key.kind == "spec" for key in mode.form.keys)))
+
+
+def plugins_of(mode: Spec) -> dict[str, Plugin]:
+    """The plugins whose samplers a mode names, by the sampler. Every word counts, a value of a key too: an inner spec
+    may stand anywhere."""
+    words = {word for value in mode.values.values() for word in re.split("[:,=]", str(value))}
+    return {name: plugin for plugin in samplers.plugins() for name in plugin.samplers if name in words}
 
 
 def make_plan(
@@ -126,7 +168,11 @@ def _jobs(
             mode=spec.text,
             size=size or file.scene.view.size,
             seed=seed,
-            versions={**versions, "code": code_digest()},
+            versions={
+                **versions,
+                "code": code_digest(renderer.name, spec),
+                **{f"plugin {name}": plugin.sha256 for name, plugin in plugins_of(spec).items()},
+            },
         )
 
 
@@ -177,7 +223,7 @@ def _pool(processes: int) -> Iterator[ProcessPool]:
         max_workers=processes,
         context=multiprocessing.get_context("spawn"),
         initializer=_begin_worker,
-        initargs=(list(samplers.plugins()),),
+        initargs=([plugin.path for plugin in samplers.plugins()],),
     )
     try:
         yield pool

@@ -72,6 +72,13 @@ def test_a_plugin_is_in_every_list_table_and_plot(tmp_path: Path, installed: Pat
     assert "sampler=mine" in (out / "report.html").read_text()
     assert "sampler=mine" in (out / "results.csv").read_text()
 
+    # What names no sampler of the plugin is what it is without: its pictures are those that are there already.
+    plain = ("compare", "edge", "-m", "uniform:n=4", "-m", "none", "-m", "accumulate:n=4", "-o", out, "--json")
+    first = json.loads(run(*plain).stdout)
+    second = json.loads(run(*plain, "--plugin", plugin).stdout)
+    assert first["reused"] == 0
+    assert (second["rendered"], second["reused"]) == (0, first["rendered"])
+
     # Another build of the same name is another sampler: its pictures are made again.
     (tmp_path / "again").mkdir()
     changed = compiled(tmp_path / "again", installed, "mine", ("{2, 3, 5,", "{3, 2, 5,"))

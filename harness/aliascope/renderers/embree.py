@@ -24,6 +24,7 @@ UNIFORM = Form(
 class Embree:
     name = "embree"
     title = "Embree"
+    native = ("tracer",)
     modes: Mapping[str, Form] = {UNIFORM.name: UNIFORM}
     draws = frozenset(
         {
