@@ -17,7 +17,7 @@ from pathlib import Path
 from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
 from aliascope import image, metrics, places, plan, renderers
-from aliascope.errors import AliascopeError, JobFailed, NotAvailable
+from aliascope.errors import AliascopeError, InvalidInput, JobFailed, NotAvailable
 from aliascope.native import samplers
 from aliascope.native.samplers import Plugin
 from aliascope.records import EmptyCell, Job, Outcome, Pixels, Rendering
@@ -311,6 +311,14 @@ class Keeper:
         self._store.put(outcome)
         return outcome
 
+    def whole(self, outcome: Outcome) -> bool:
+        """Whether the picture of a kept outcome is there, can be read, and has its size."""
+        try:
+            pixels = image.read_image(self._folder / outcome.image)
+        except InvalidInput:
+            return False
+        return pixels.shape == (outcome.job.height, outcome.job.width, 3)
+
     def measured_again(self, outcome: Outcome) -> Outcome:
         """A kept outcome with the metrics that there are now, of the picture that is there."""
         pixels = image.read_image(self._folder / outcome.image)
@@ -330,12 +338,9 @@ def execute(
 ) -> tuple[dict[str, Outcome], int]:
     """Renders what the store does not have. Returns the outcomes by key, and how many of them were there already."""
     image.remove_unfinished(folder / "images")
-    outcomes = {
-        key: outcome
-        for key, outcome in store.done(job.key for job in plan.jobs).items()
-        if (folder / outcome.image).is_file()
-    }
     keeper = Keeper(folder, store, references, plan)
+    kept = store.done(job.key for job in plan.jobs)
+    outcomes = {key: outcome for key, outcome in kept.items() if keeper.whole(outcome)}
     for key, outcome in outcomes.items():
         if set(outcome.metrics) != set(metrics.METRICS):
             outcomes[key] = keeper.measured_again(outcome)

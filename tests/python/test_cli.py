@@ -224,8 +224,17 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
     third = compare(tmp_path, "edge", "discs", *QUICK)
     assert (third["rendered"], third["rows"]) == (0, first["rows"])
 
-    (tmp_path / rows[0][0]).unlink()
-    assert compare(tmp_path, "edge", "discs", *QUICK)["rendered"] == 1
+    # What is not there, is cut short, or is another picture, of the first seed or not, is made again.
+    seeds = {seed: tmp_path / path for path, seed, *_ in rows}
+    broken = [seeds.pop(0), seeds.pop(1)]
+    rest = [path for path, *_ in rows if tmp_path / path not in broken]
+    for path in broken:
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    (tmp_path / rest[0]).unlink()
+    write_exr(tmp_path / rest[1], np.zeros((2, 3, 3), np.float32), {})
+    fourth = compare(tmp_path, "edge", "discs", *QUICK, "--resume")
+    assert (fourth["rendered"], fourth["failed"]) == (4, 0)
+    assert [row["metrics"] for row in fourth["rows"]] == [row["metrics"] for row in first["rows"]]
 
 
 def test_processes_side_by_side_make_the_same_pictures(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ UNIFORM = Form(
 class Embree:
     name = "embree"
     title = "Embree"
-    native = ("tracer",)
+    native: tuple[str, ...] = ("tracer",)
     modes: Mapping[str, Form] = {UNIFORM.name: UNIFORM}
     draws = frozenset(
         {
