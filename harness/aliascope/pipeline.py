@@ -6,12 +6,13 @@ import functools
 import hashlib
 import multiprocessing
 import re
+import shlex
 import signal
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from pebble import ProcessExpired, ProcessFuture, ProcessPool
@@ -26,8 +27,10 @@ from aliascope.scene_io import SceneFile
 from aliascope.specs import Spec
 from aliascope.store import Store
 
-GRACE_SECONDS = 20.0
-"""How much longer than its own time limit a job may take before its process is ended from outside."""
+
+def patience(time_limit: float) -> float:
+    """Seconds after which a job's process is ended from outside: renderers should have given up by themselves."""
+    return time_limit + min(20.0, max(2.0, time_limit / 2.0))
 
 
 References = Mapping[tuple[str, str], Pixels]
@@ -55,6 +58,8 @@ class Plan:
     skipped: Mapping[str, str]
     files: Mapping[str, SceneFile]
     versions: Mapping[str, str]
+    plugins: Mapping[str, str] = field(default_factory=dict)
+    """Of the modes' samplers: path and hash by "plugin NAME"."""
 
 
 # --- plan -------------------------------------------------------------------------------------------------------------
@@ -113,6 +118,11 @@ def plugins_of(mode: Spec) -> dict[str, Plugin]:
     return {name: plugin for plugin in samplers.plugins() for name in plugin.samplers if name in words}
 
 
+def plugin_versions(mode: Spec) -> dict[str, str]:
+    """For provenance: path and hash of the plugins that a mode names, by "plugin NAME"."""
+    return {f"plugin {name}": f"{plugin.path} sha256 {plugin.sha256}" for name, plugin in plugins_of(mode).items()}
+
+
 def make_plan(
     files: Sequence[SceneFile],
     wanted: Mapping[str, Sequence[str]],
@@ -128,6 +138,7 @@ def make_plan(
     empty: list[EmptyCell] = []
     skipped: dict[str, str] = {}
     versions: dict[str, str] = {}
+    plugins: dict[str, str] = {}
     for name, modes in wanted.items():
         renderer = renderers.find(name)
         specs = {spec.text: spec for spec in (renderers.mode_of(renderer, mode) for mode in modes)}
@@ -139,6 +150,8 @@ def make_plan(
             skipped[name] = str(error)
             continue
         versions.update(own)
+        for spec in specs.values():
+            plugins.update(plugin_versions(spec))
         for file in files:
             for spec in specs.values():
                 reason = lacks(renderer, file.scene, spec)
@@ -148,7 +161,7 @@ def make_plan(
                     jobs += _jobs(file, renderer, spec, seeds, size, own)
     # By key, that is by chance: the time left can be told from the count, and no mode has the cold machine to itself.
     jobs.sort(key=lambda job: job.key)
-    return Plan(tuple(jobs), tuple(empty), skipped, {file.name: file for file in files}, versions)
+    return Plan(tuple(jobs), tuple(empty), skipped, {file.name: file for file in files}, versions, plugins)
 
 
 def _jobs(
@@ -178,7 +191,12 @@ def _jobs(
 
 def judged_by(job: Job) -> tuple[str, str]:
     """Which reference judges a job: its scene's, of the filter that its mode has."""
-    return job.scene, filter_of(renderers.mode_of(renderers.find(job.renderer), job.mode))
+    return job.scene, filter_of(mode_of(job))
+
+
+def mode_of(job: Job) -> Spec:
+    """The parsed mode of a job."""
+    return renderers.mode_of(renderers.find(job.renderer), job.mode)
 
 
 # --- run --------------------------------------------------------------------------------------------------------------
@@ -239,8 +257,7 @@ def _result(future: ProcessFuture[Timed], options: Options) -> Timed:
     try:
         return future.result()
     except FutureTimeout as error:
-        seconds = options.time_limit + GRACE_SECONDS
-        raise JobFailed(f"gave no picture within {seconds:g} s and was ended") from error
+        raise JobFailed(f"gave no picture within {patience(options.time_limit):g} s and was ended") from error
     except ProcessExpired as error:
         code = error.exitcode or 0
         how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
@@ -255,6 +272,7 @@ def image_path(job: Job) -> str:
 
 def provenance(job: Job, rendering: Rendering, versions: Mapping[str, str]) -> dict[str, str]:
     """The header of a picture's file."""
+    shown = {**versions, **plugin_versions(mode_of(job))}
     return {
         "key": job.key,
         "scene": job.scene,
@@ -263,19 +281,22 @@ def provenance(job: Job, rendering: Rendering, versions: Mapping[str, str]) -> d
         "seed": str(job.seed),
         "samples": str(rendering.cost.samples),
         "cpu_seconds": f"{rendering.cost.cpu_seconds:.6g}",
-        "versions": ", ".join(f"{name} {value}" for name, value in sorted(versions.items())),
+        "versions": ", ".join(f"{name} {value}" for name, value in sorted(shown.items())),
         "revision": places.revision(),
         "command": repeat_command(job),
     }
 
 
-def repeat_command(job: Job) -> str:
-    """The command that renders a job again, alone."""
+def repeat_command(job: Job, time_limit: float = Request.time_limit) -> str:
+    """The command that renders a job again, alone, with the plugins that its mode names."""
     scene = job.scene if Path(job.scene_path).parent == places.SCENES else job.scene_path
-    return (
-        f"aliascope render {scene} -r {job.renderer} -m {job.mode} --seed {job.seed} "
-        f"--size {job.width}x{job.height} -o out.exr"
-    )
+    words = ["aliascope", "render", scene, "-r", job.renderer, "-m", job.mode, "--seed", str(job.seed)]
+    words += ["--size", f"{job.width}x{job.height}", "-o", "out.exr"]
+    if time_limit != Request.time_limit:
+        words += ["--time-limit", f"{time_limit:g}"]
+    for path in dict.fromkeys(plugin.path for plugin in plugins_of(mode_of(job)).values()):
+        words += ["--plugin", path]
+    return shlex.join(words)
 
 
 class Keeper:
@@ -350,7 +371,7 @@ def execute(
         return outcomes, reused
     with _pool(options.processes) as pool:
         waiting: list[tuple[Job, ProcessFuture[Timed], float]] = []
-        limit = options.time_limit + GRACE_SECONDS
+        limit = patience(options.time_limit)
         for job in [*todo, *[None] * options.processes]:
             if job is not None:
                 progress(job, len(outcomes) - reused, len(todo))

@@ -317,7 +317,9 @@ def test_a_job_that_fails_stops_no_other(tmp_path: Path, trouble: str) -> None:
     document = compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)
     assert (document["pictures"], document["failed"]) == (SEEDS + 2, 1)
     assert words in document["failures"][0]["message"]
-    assert document["failures"][0]["command"].startswith("aliascope render edge -r povray -m none")
+    command = document["failures"][0]["command"]
+    assert command.startswith("aliascope render edge -r povray -m none ")
+    assert command.endswith(" --time-limit 2")
     assert words in (tmp_path / "out" / "report.html").read_text()
     # What failed is tried again, and only that.
     assert compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)["reused"] == SEEDS + 2

@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 
 import aliascope
-from aliascope import pipeline, renderers
+from aliascope import pipeline, renderers, scene_io
+from aliascope.errors import JobFailed
+from aliascope.renderers.base import Request
 
 PACKAGE = Path(aliascope.__file__).parent
 HARMLESS = {"errors.py", "records.py"}
@@ -67,3 +69,16 @@ def test_pictures_do_not_depend_on_the_code_of_another_renderer() -> None:
     modes = (("embree", "uniform"), ("povray", "am1"), ("povray", "accumulate"), ("osmesa", "msaa"))
     found = {pipeline.code_digest(name, renderers.mode_of(renderers.find(name), mode)) for name, mode in modes}
     assert len(found) == len(modes)
+
+
+def test_a_process_is_ended_not_long_after_its_time_limit() -> None:
+    assert [pipeline.patience(seconds) for seconds in (0.1, 2.0, 10.0, 120.0)] == [2.1, 4.0, 15.0, 140.0]
+
+
+@pytest.mark.parametrize("name", ["embree", "osmesa"])
+def test_a_time_limit_that_has_passed_is_a_failed_job(name: str) -> None:
+    scene = scene_io.load("edge").scene
+    renderer = renderers.find(name)
+    mode = renderers.mode_of(renderer, "uniform:n=1" if name == "embree" else "none")
+    with pytest.raises(JobFailed, match="took more than 1e-06 s"):
+        renderer.render(Request(scene, 8, 6, mode, least_seconds=60.0, time_limit=1e-6))

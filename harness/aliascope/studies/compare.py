@@ -53,7 +53,8 @@ def compare(
     judged = {key: reference_of(plan, key, size, folder / "references", tell) for key, size in sizes.items()}
     with Store(folder / "results.sqlite") as store:
         _check_writable(folder)
-        store.begin_run(started, command, places.revision(), places.machine(), plan.versions)
+        versions = {**plan.versions, **plan.plugins}
+        store.begin_run(started, command, places.revision(), places.machine(), versions)
         pixels = {key: reference.pixels for key, reference in judged.items()}
         try:
             outcomes, reused = pipeline.execute(plan, folder, store, pixels, options, progress)
@@ -71,12 +72,14 @@ def compare(
         headlines=headlines(sections),
         scenes=sections,
         failures=tuple(
-            Failure(job.scene, job.renderer, job.mode, outcome.message, pipeline.repeat_command(job))
+            Failure(
+                job.scene, job.renderer, job.mode, outcome.message, pipeline.repeat_command(job, options.time_limit)
+            )
             for job, outcome in ((job, outcomes[job.key]) for job in plan.jobs)
             if outcome.status == "failed"
         ),
         machine=places.machine(),
-        versions={"aliascope": f"{places.own_version()} ({places.revision()})", **plan.versions},
+        versions={"aliascope": f"{places.own_version()} ({places.revision()})", **versions},
         skipped=plan.skipped,
     )
     return Comparison(write_report(folder, data), data, len(outcomes) - reused, outcomes)
