@@ -302,8 +302,9 @@ def repeat_command(job: Job, time_limit: float = Request.time_limit) -> str:
 class Keeper:
     """Measures what comes back, and keeps picture and figures."""
 
-    def __init__(self, folder: Path, store: Store, references: References, plan: Plan) -> None:
+    def __init__(self, folder: Path, store: Store, references: References, plan: Plan, processes: int) -> None:
         self._folder, self._store, self._references, self._plan = folder, store, references, plan
+        self._processes = processes
 
     def keep(self, job: Job, result: Callable[[], Timed], submitted: float) -> Outcome:
         """The outcome of one job, kept; a job that fails is an outcome too."""
@@ -326,9 +327,10 @@ class Keeper:
                 quantum=timed.rendering.quantum,
                 image=path,
                 harness_seconds=time.perf_counter() - submitted - spent,
+                processes=self._processes,
             )
         except AliascopeError as error:
-            outcome = Outcome(job=job, status="failed", message=str(error))
+            outcome = Outcome(job=job, status="failed", message=str(error), processes=self._processes)
         self._store.put(outcome)
         return outcome
 
@@ -357,11 +359,18 @@ def execute(
     options: Options,
     progress: Progress,
 ) -> tuple[dict[str, Outcome], int]:
-    """Renders what the store does not have. Returns the outcomes by key, and how many of them were there already."""
+    """Renders what the store does not have. Returns the outcomes by key, and how many of them were there already.
+
+    What was timed beside more jobs than run side by side now does not count: its time is not comparable.
+    """
     image.remove_unfinished(folder / "images")
-    keeper = Keeper(folder, store, references, plan)
+    keeper = Keeper(folder, store, references, plan, options.processes)
     kept = store.done(job.key for job in plan.jobs)
-    outcomes = {key: outcome for key, outcome in kept.items() if keeper.whole(outcome)}
+    outcomes = {
+        key: outcome
+        for key, outcome in kept.items()
+        if outcome.processes <= options.processes and keeper.whole(outcome)
+    }
     for key, outcome in outcomes.items():
         if set(outcome.metrics) != set(metrics.METRICS):
             outcomes[key] = keeper.measured_again(outcome)

@@ -203,7 +203,7 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
     assert second["rows"] == first["rows"]
 
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        assert database.execute("PRAGMA user_version").fetchone() == (1,)
+        assert database.execute("PRAGMA user_version").fetchone() == (2,)
         revision, machine, versions = database.execute("SELECT revision, machine, versions FROM run").fetchone()
         rows = database.execute("SELECT image, seed, cpu_seconds, samples FROM job").fetchall()
     assert revision == places.revision()
@@ -241,6 +241,30 @@ def test_processes_side_by_side_make_the_same_pictures(tmp_path: Path) -> None:
     modes = ("edge", "-r", "embree", "-m", "uniform:n=4", "-m", "uniform:n=16,sampler=halton")
     one, two = (compare(tmp_path / processes, *modes, "-j", processes) for processes in ("1", "2"))
     assert [row["metrics"] for row in one["rows"]] == [row["metrics"] for row in two["rows"]]
+
+
+def test_times_of_jobs_side_by_side_do_not_pass_for_those_of_jobs_alone(tmp_path: Path) -> None:
+    modes = ("edge", "-r", "embree", "-m", "uniform:n=1")
+
+    def report() -> str:
+        return (tmp_path / "report.html").read_text()
+
+    assert compare(tmp_path, *modes, "-j", "2")["rendered"] == SEEDS
+    assert f"{SEEDS} of the pictures 2: those with more than 1 have inflated times" in report()
+    assert compare(tmp_path, *modes, "-j", "3")["reused"] == SEEDS
+    assert compare(tmp_path, *modes)["rendered"] == SEEDS
+    assert "1: each picture was timed alone" in report()
+    assert compare(tmp_path, *modes, "-j", "2")["reused"] == SEEDS
+    assert "1: each picture was timed alone" in report()
+
+    # A folder of the schema without that column is brought up to date; its pictures count as timed alone.
+    with sqlite3.connect(tmp_path / "results.sqlite") as database:
+        database.execute("ALTER TABLE job DROP COLUMN processes")
+        database.execute("PRAGMA user_version = 1")
+    assert compare(tmp_path, *modes)["reused"] == SEEDS
+    with sqlite3.connect(tmp_path / "results.sqlite") as database:
+        assert database.execute("PRAGMA user_version").fetchone() == (2,)
+        assert database.execute("SELECT DISTINCT processes FROM job").fetchall() == [(1,)]
 
 
 def test_dry_run_and_choices(tmp_path: Path) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -78,11 +79,20 @@ def compare(
             for job, outcome in ((job, outcomes[job.key]) for job in plan.jobs)
             if outcome.status == "failed"
         ),
-        machine=places.machine(),
+        machine={**places.machine(), "jobs side by side": _side_by_side(outcomes.values())},
         versions={"aliascope": f"{places.own_version()} ({places.revision()})", **versions},
         skipped=plan.skipped,
     )
     return Comparison(write_report(folder, data), data, len(outcomes) - reused, outcomes)
+
+
+def _side_by_side(outcomes: Iterable[Outcome]) -> str:
+    """How far the times can be compared, for the report."""
+    counts = Counter(outcome.processes for outcome in outcomes if outcome.status == "done")
+    if set(counts) <= {1}:
+        return "1: each picture was timed alone"
+    told = ", ".join(f"{found} of the pictures {processes}" for processes, found in sorted(counts.items()))
+    return f"{told}: those with more than 1 have inflated times; run again with -j 1 for times that can be compared"
 
 
 def _check_drawn(plan: Plan) -> None:
