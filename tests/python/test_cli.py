@@ -17,8 +17,11 @@ import fake_povray
 import numpy as np
 import pytest
 
-from aliascope import places, plan
+from aliascope import places, plan, references, renderers
+from aliascope.errors import CheckFailed
 from aliascope.image import read_header, read_image, write_exr
+from aliascope.studies import selection
+from aliascope.studies.compare import reference_of
 
 COMMAND = [sys.executable, "-W", "error", "-m", "aliascope.cli"]
 QUICK = ("-m", "uniform:n=1", "-m", "none", "-m", "msaa:n=4")
@@ -399,7 +402,9 @@ def test_a_compare_that_was_stopped_keeps_what_it_has_and_goes_on(tmp_path: Path
     (tmp_path / "images" / ".cut-short.1.exr").write_bytes(b"\x76\x2f\x31\x01")
     document = compare(tmp_path, "edge", "-r", "embree", "--resume")
     assert document["reused"] == had >= 5
-    assert document["rendered"] == 15 * SEEDS + 10 - had  # 15 modes have seeds, 10 have none
+    embree = renderers.find("embree")
+    seeded = [embree.seeded(renderers.mode_of(embree, mode)) for mode in plan.QUICK["embree"]]
+    assert document["rendered"] == sum(SEEDS if each else 1 for each in seeded) - had
     assert not list(tmp_path.glob("images/**/.*"))
 
 
@@ -435,11 +440,39 @@ def test_a_scene_that_nothing_draws(tmp_path: Path) -> None:
     scene.write_text(text + '\n[[lights]]\ntype = "sphere"\ncentre = [0, 0, 1]\nradius = 1.0\nintensity = [1, 1, 1]\n')
     message = complaint("compare", scene, "-o", tmp_path / "out", code=2)
     assert "no mode draws it: Embree here does not draw: sphere light" in message
+    # A dry run ends as the run would, and says which cells stay empty.
+    assert complaint("compare", scene, "-o", tmp_path / "out", "--dry-run", code=2) == message
+    dry = run("compare", scene, "-m", "none", "--dry-run", code=2).stdout.splitlines()
+    assert dry[0] == "0 pictures"
+    assert {line.partition(": ")[0] for line in dry[1:]} == {"empty lit"}
+    cells = json.loads(run("compare", scene, "-m", "none", "--dry-run", "--json", code=2).stdout)["empty"]
+    assert {(cell["scene"], cell["renderer"], cell["mode"]) for cell in cells} == {
+        ("lit", "povray", "none"),
+        ("lit", "osmesa", "none"),
+    }
+    assert all("sphere light" in cell["reason"] for cell in cells)
+    assert "1 picture\n" in run("compare", "edge", "-r", "osmesa", "-m", "none", "--dry-run").stdout
 
 
-def test_a_missing_reference_of_ours_is_said_and_never_made(tmp_path: Path) -> None:
-    message = complaint("compare", "edge", "-m", "uniform:n=4,filter=tent", "-o", tmp_path / "out", code=1)
-    assert "make it with: aliascope reference edge --filter tent" in message
+def test_a_missing_reference_of_ours_is_said_and_never_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(places, "REFERENCES", tmp_path / "none")
+    chosen = selection.plan_of(["edge"], ["embree"], ["uniform:n=4,filter=mitchell"], "quick", None)
+    for filter_, option in (("box", ""), ("mitchell", " --filter mitchell")):
+        with pytest.raises(CheckFailed, match=f"make it with: aliascope reference edge{option}"):
+            reference_of(chosen, ("edge", filter_), (128, 96), tmp_path, print)
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_reference_of_a_filter_that_no_profile_judges_is_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    few, make, told = references.Plan(samples=4, replicates=2), references.make, list[str]()
+    monkeypatch.setattr(references, "make", lambda scene, size, filter_, _: make(scene, size, filter_, few))
+    chosen = selection.plan_of(["edge"], ["embree"], ["uniform:n=4,filter=tent"], "quick", None)
+    for _ in range(2):
+        assert reference_of(chosen, ("edge", "tent"), (128, 96), tmp_path, told.append).pixels.shape == (96, 128, 3)
+    assert told == ["making the reference of edge, 128 x 96 pixels, filter tent"]
+    assert (tmp_path / "edge" / "128x96-tent.exr").is_file()
 
 
 # --- doctor -----------------------------------------------------------------------------------------------------------
