@@ -33,10 +33,12 @@ def render(
     seed: int = 0,
     threads: int = 1,
     least_seconds: float = 0.0,
+    time_limit: float = Request.time_limit,
 ) -> Rendering:
     """One picture, in this process: `pixels` (height, width, 3) float32 linear RGB, row 0 on top, and its `cost`.
 
-    `least_seconds`: render again until the CPU time adds up to this, for a steady figure. Raises Unsupported where the
+    `least_seconds`: render again until the CPU time adds up to this, for a steady figure. `time_limit`: seconds on the
+    wall, which POV-Ray is ended after, and which the others look at between renderings. Raises Unsupported where the
     renderer cannot draw the scene, NotAvailable, JobFailed.
     """
     file = load_scene(scene) if isinstance(scene, str) else scene
@@ -46,7 +48,7 @@ def render(
     if reason:
         raise Unsupported(f"{file.name}: {reason}")
     width, height = size or file.scene.view.size
-    return found.render(Request(file.scene, width, height, spec, seed, threads, least_seconds))
+    return found.render(Request(file.scene, width, height, spec, seed, threads, least_seconds, time_limit))
 
 
 def reference(scene: str | SceneFile, *, size: tuple[int, int] | None = None) -> Reference:

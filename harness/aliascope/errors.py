@@ -58,7 +58,7 @@ class Interrupted(AliascopeError):
 
 def near_misses(word: str, known: Iterable[str]) -> str:
     """The tail of an error about an unknown word: `; did you mean "x"?`, or the list of what is known."""
-    names = sorted(known)
+    names = sorted(set(known))
     close = difflib.get_close_matches(word, names, n=3, cutoff=0.6)
     if close:
         return "; did you mean " + " or ".join(f'"{name}"' for name in close) + "?"

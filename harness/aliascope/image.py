@@ -36,12 +36,18 @@ def write_exr(path: Path, pixels: Pixels, header: Mapping[str, str]) -> None:
             raise NotWritable(f"{path}: {oiio.geterror()}")
         if not (out.open(str(temporary), spec) and out.write_image(np.ascontiguousarray(pixels)) and out.close()):
             raise NotWritable(f"{path}: cannot be written: {out.geterror()}")
+        _sync(temporary)  # else the name can outlive a loss of power and the contents not
         temporary.replace(path)
     except OSError as error:
         raise NotWritable(f"{path}: cannot be written: {error.strerror}") from error
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink()
+
+
+def _sync(path: Path) -> None:
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())
 
 
 def remove_unfinished(folder: Path) -> None:

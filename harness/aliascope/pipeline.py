@@ -5,27 +5,32 @@ from __future__ import annotations
 import functools
 import hashlib
 import multiprocessing
+import re
+import shlex
 import signal
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
 from aliascope import image, metrics, places, plan, renderers
-from aliascope.errors import AliascopeError, JobFailed, NotAvailable
+from aliascope.errors import AliascopeError, InvalidInput, JobFailed, NotAvailable
 from aliascope.native import samplers
+from aliascope.native.samplers import Plugin
 from aliascope.records import EmptyCell, Job, Outcome, Pixels, Rendering
 from aliascope.renderers.base import LEAST_SECONDS, Renderer, Request, filter_of, lacks
 from aliascope.scene_io import SceneFile
 from aliascope.specs import Spec
 from aliascope.store import Store
 
-GRACE_SECONDS = 20.0
-"""How much longer than its own time limit a job may take before its process is ended from outside."""
+
+def patience(time_limit: float) -> float:
+    """Seconds after which a job's process is ended from outside: renderers should have given up by themselves."""
+    return time_limit + min(20.0, max(2.0, time_limit / 2.0))
 
 
 References = Mapping[tuple[str, str], Pixels]
@@ -53,22 +58,69 @@ class Plan:
     skipped: Mapping[str, str]
     files: Mapping[str, SceneFile]
     versions: Mapping[str, str]
+    plugins: Mapping[str, str] = field(default_factory=dict)
+    """Of the modes' samplers: path and hash by "plugin NAME"."""
 
 
 # --- plan -------------------------------------------------------------------------------------------------------------
 
 
+COMMON = ("geometry.py", "image.py", "meshes.py", "model.py", "specs.py")
+"""What the pictures of every renderer depend on, beside renderers/ and native/ without the files of other renderers."""
+
+SAMPLER_LIBRARY = "libaliascope.so"
+
+
 @functools.cache
-def code_digest() -> str:
-    """A hash of the code that pictures depend on: when it changes, they are made again."""
+def code_of(renderer: str, with_samplers: bool) -> tuple[Path, ...]:
+    """The files whose code a picture of this renderer depends on; `with_samplers`: one of a mode with a sampler.
+
+    A mode without one depends on no sampler of the library: of it, the rasteriser takes the text of errors alone.
+    """
     here = Path(__file__).parent
-    sources = [here / "geometry.py", *(here / "renderers").glob("*.py"), *(here / "native").glob("*.py")]
+    own = _own_files(here, renderer)
+    others = {path for name in renderers.RENDERERS if name != renderer for path in _own_files(here, name)} - own
+    libraries = set((here / "native" / "lib").glob("*.so"))
+    if not with_samplers:
+        libraries = {path for path in libraries if path.name != SAMPLER_LIBRARY}
+    folders = {path for name in ("renderers", "native") for path in (here / name).glob("*.py")}
+    registries = {path for path in folders if path.name == "__init__.py"}
+    found = ({here / name for name in COMMON} | folders | libraries) - others - registries
+    return tuple(sorted(found))
+
+
+def _own_files(here: Path, renderer: str) -> set[Path]:
+    native = renderers.find(renderer).native
+    return {
+        *(here / "renderers").glob(f"{renderer}*.py"),
+        *(here / "native" / f"{name}.py" for name in native),
+        *(here / "native" / "lib" / f"libaliascope-{name}.so" for name in native),
+    }
+
+
+@functools.cache
+def _digest(paths: tuple[Path, ...]) -> str:
     digest = hashlib.sha256()
-    for path in sorted([*sources, *(here / "native" / "lib").glob("*.so")]):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    for _, sha256 in sorted(samplers.plugins().items()):
-        digest.update(sha256.encode())
+    for path in paths:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:16]
+
+
+def code_digest(renderer: str, mode: Spec) -> str:
+    """A hash of the code that pictures of this mode depend on: when it changes, they are made again."""
+    return _digest(code_of(renderer, any(key.kind == "spec" for key in mode.form.keys)))
+
+
+def plugins_of(mode: Spec) -> dict[str, Plugin]:
+    """The plugins whose samplers a mode names, by the sampler. Every word counts, a value of a key too: an inner spec
+    may stand anywhere."""
+    words = {word for value in mode.values.values() for word in re.split("[:,=]", str(value))}
+    return {name: plugin for plugin in samplers.plugins() for name in plugin.samplers if name in words}
+
+
+def plugin_versions(mode: Spec) -> dict[str, str]:
+    """For provenance: path and hash of the plugins that a mode names, by "plugin NAME"."""
+    return {f"plugin {name}": f"{plugin.path} sha256 {plugin.sha256}" for name, plugin in plugins_of(mode).items()}
 
 
 def make_plan(
@@ -86,6 +138,7 @@ def make_plan(
     empty: list[EmptyCell] = []
     skipped: dict[str, str] = {}
     versions: dict[str, str] = {}
+    plugins: dict[str, str] = {}
     for name, modes in wanted.items():
         renderer = renderers.find(name)
         specs = {spec.text: spec for spec in (renderers.mode_of(renderer, mode) for mode in modes)}
@@ -97,6 +150,8 @@ def make_plan(
             skipped[name] = str(error)
             continue
         versions.update(own)
+        for spec in specs.values():
+            plugins.update(plugin_versions(spec))
         for file in files:
             for spec in specs.values():
                 reason = lacks(renderer, file.scene, spec)
@@ -106,7 +161,7 @@ def make_plan(
                     jobs += _jobs(file, renderer, spec, seeds, size, own)
     # By key, that is by chance: the time left can be told from the count, and no mode has the cold machine to itself.
     jobs.sort(key=lambda job: job.key)
-    return Plan(tuple(jobs), tuple(empty), skipped, {file.name: file for file in files}, versions)
+    return Plan(tuple(jobs), tuple(empty), skipped, {file.name: file for file in files}, versions, plugins)
 
 
 def _jobs(
@@ -126,13 +181,22 @@ def _jobs(
             mode=spec.text,
             size=size or file.scene.view.size,
             seed=seed,
-            versions={**versions, "code": code_digest()},
+            versions={
+                **versions,
+                "code": code_digest(renderer.name, spec),
+                **{f"plugin {name}": plugin.sha256 for name, plugin in plugins_of(spec).items()},
+            },
         )
 
 
 def judged_by(job: Job) -> tuple[str, str]:
     """Which reference judges a job: its scene's, of the filter that its mode has."""
-    return job.scene, filter_of(renderers.mode_of(renderers.find(job.renderer), job.mode))
+    return job.scene, filter_of(mode_of(job))
+
+
+def mode_of(job: Job) -> Spec:
+    """The parsed mode of a job."""
+    return renderers.mode_of(renderers.find(job.renderer), job.mode)
 
 
 # --- run --------------------------------------------------------------------------------------------------------------
@@ -177,7 +241,7 @@ def _pool(processes: int) -> Iterator[ProcessPool]:
         max_workers=processes,
         context=multiprocessing.get_context("spawn"),
         initializer=_begin_worker,
-        initargs=(list(samplers.plugins()),),
+        initargs=([plugin.path for plugin in samplers.plugins()],),
     )
     try:
         yield pool
@@ -193,8 +257,7 @@ def _result(future: ProcessFuture[Timed], options: Options) -> Timed:
     try:
         return future.result()
     except FutureTimeout as error:
-        seconds = options.time_limit + GRACE_SECONDS
-        raise JobFailed(f"gave no picture within {seconds:g} s and was ended") from error
+        raise JobFailed(f"gave no picture within {patience(options.time_limit):g} s and was ended") from error
     except ProcessExpired as error:
         code = error.exitcode or 0
         how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
@@ -209,6 +272,7 @@ def image_path(job: Job) -> str:
 
 def provenance(job: Job, rendering: Rendering, versions: Mapping[str, str]) -> dict[str, str]:
     """The header of a picture's file."""
+    shown = {**versions, **plugin_versions(mode_of(job))}
     return {
         "key": job.key,
         "scene": job.scene,
@@ -217,26 +281,30 @@ def provenance(job: Job, rendering: Rendering, versions: Mapping[str, str]) -> d
         "seed": str(job.seed),
         "samples": str(rendering.cost.samples),
         "cpu_seconds": f"{rendering.cost.cpu_seconds:.6g}",
-        "versions": ", ".join(f"{name} {value}" for name, value in sorted(versions.items())),
+        "versions": ", ".join(f"{name} {value}" for name, value in sorted(shown.items())),
         "revision": places.revision(),
         "command": repeat_command(job),
     }
 
 
-def repeat_command(job: Job) -> str:
-    """The command that renders a job again, alone."""
+def repeat_command(job: Job, time_limit: float = Request.time_limit) -> str:
+    """The command that renders a job again, alone, with the plugins that its mode names."""
     scene = job.scene if Path(job.scene_path).parent == places.SCENES else job.scene_path
-    return (
-        f"aliascope render {scene} -r {job.renderer} -m {job.mode} --seed {job.seed} "
-        f"--size {job.width}x{job.height} -o out.exr"
-    )
+    words = ["aliascope", "render", scene, "-r", job.renderer, "-m", job.mode, "--seed", str(job.seed)]
+    words += ["--size", f"{job.width}x{job.height}", "-o", "out.exr"]
+    if time_limit != Request.time_limit:
+        words += ["--time-limit", f"{time_limit:g}"]
+    for path in dict.fromkeys(plugin.path for plugin in plugins_of(mode_of(job)).values()):
+        words += ["--plugin", path]
+    return shlex.join(words)
 
 
 class Keeper:
     """Measures what comes back, and keeps picture and figures."""
 
-    def __init__(self, folder: Path, store: Store, references: References, plan: Plan) -> None:
+    def __init__(self, folder: Path, store: Store, references: References, plan: Plan, processes: int) -> None:
         self._folder, self._store, self._references, self._plan = folder, store, references, plan
+        self._processes = processes
 
     def keep(self, job: Job, result: Callable[[], Timed], submitted: float) -> Outcome:
         """The outcome of one job, kept; a job that fails is an outcome too."""
@@ -259,11 +327,20 @@ class Keeper:
                 quantum=timed.rendering.quantum,
                 image=path,
                 harness_seconds=time.perf_counter() - submitted - spent,
+                processes=self._processes,
             )
         except AliascopeError as error:
-            outcome = Outcome(job=job, status="failed", message=str(error))
+            outcome = Outcome(job=job, status="failed", message=str(error), processes=self._processes)
         self._store.put(outcome)
         return outcome
+
+    def whole(self, outcome: Outcome) -> bool:
+        """Whether the picture of a kept outcome is there, can be read, and has its size."""
+        try:
+            pixels = image.read_image(self._folder / outcome.image)
+        except InvalidInput:
+            return False
+        return pixels.shape == (outcome.job.height, outcome.job.width, 3)
 
     def measured_again(self, outcome: Outcome) -> Outcome:
         """A kept outcome with the metrics that there are now, of the picture that is there."""
@@ -282,14 +359,18 @@ def execute(
     options: Options,
     progress: Progress,
 ) -> tuple[dict[str, Outcome], int]:
-    """Renders what the store does not have. Returns the outcomes by key, and how many of them were there already."""
+    """Renders what the store does not have. Returns the outcomes by key, and how many of them were there already.
+
+    What was timed beside more jobs than run side by side now does not count: its time is not comparable.
+    """
     image.remove_unfinished(folder / "images")
+    keeper = Keeper(folder, store, references, plan, options.processes)
+    kept = store.done(job.key for job in plan.jobs)
     outcomes = {
         key: outcome
-        for key, outcome in store.done(job.key for job in plan.jobs).items()
-        if (folder / outcome.image).is_file()
+        for key, outcome in kept.items()
+        if outcome.processes <= options.processes and keeper.whole(outcome)
     }
-    keeper = Keeper(folder, store, references, plan)
     for key, outcome in outcomes.items():
         if set(outcome.metrics) != set(metrics.METRICS):
             outcomes[key] = keeper.measured_again(outcome)
@@ -299,7 +380,7 @@ def execute(
         return outcomes, reused
     with _pool(options.processes) as pool:
         waiting: list[tuple[Job, ProcessFuture[Timed], float]] = []
-        limit = options.time_limit + GRACE_SECONDS
+        limit = patience(options.time_limit)
         for job in [*todo, *[None] * options.processes]:
             if job is not None:
                 progress(job, len(outcomes) - reused, len(todo))

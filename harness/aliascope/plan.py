@@ -5,7 +5,7 @@ from __future__ import annotations
 import fnmatch
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from aliascope.errors import InvalidInput, near_misses
 from aliascope.records import Job
@@ -22,6 +22,16 @@ def _counts(form: str, counts: Iterable[int] = COUNTS) -> tuple[str, ...]:
 def _uniform(*patterns: str, counts: Iterable[int] = COUNTS) -> tuple[str, ...]:
     return tuple(mode for pattern in patterns for mode in _counts(f"uniform:n={{n}},sampler={pattern}", counts))
 
+
+def _accumulate(*patterns: str, counts: Iterable[int]) -> tuple[str, ...]:
+    return tuple(mode for pattern in patterns for mode in _counts(f"accumulate:n={{n}},sampler={pattern}", counts))
+
+
+PLANAR = (
+    *("multi-jittered", "correlated-multi-jittered", "n-rooks", "orthogonal-array", "pmj02", "r2", "gauss-legendre"),
+    "hammersley,sampler.scramble=shift",
+)
+"""Patterns of a pixel's two dimensions that have 16, 64 and 256 points."""
 
 QUICK: Mapping[str, tuple[str, ...]] = {
     "embree": _uniform("random", "regular", "jittered", "halton", "sobol,sampler.scramble=owen"),
@@ -44,8 +54,9 @@ QUICK: Mapping[str, tuple[str, ...]] = {
 FULL: Mapping[str, tuple[str, ...]] = {
     "embree": (
         *_uniform("random", "regular", "jittered", "halton", "halton,sampler.scramble=shift", counts=(*COUNTS, 1024)),
-        *_uniform("sobol", "sobol,sampler.scramble=shift", "sobol,sampler.scramble=digit", counts=(*COUNTS, 1024)),
+        *_uniform("sobol", "sobol,sampler.scramble=digit", counts=(*COUNTS, 1024)),
         *_uniform("sobol,sampler.scramble=owen", counts=(*COUNTS, 1024)),
+        *_uniform(*PLANAR, counts=(16, 64, 256)),
         *_uniform(*(f"sobol,sampler.scramble=owen,filter={name}" for name in FILTERS), counts=(16, 64, 256)),
     ),
     "povray": (
@@ -63,12 +74,10 @@ FULL: Mapping[str, tuple[str, ...]] = {
     "osmesa": (
         "none",
         "msaa:n=4",
+        "msaa:n=4,sample-shading=1",
         "msaa:n=8",
-        *(
-            mode
-            for sampler in ("halton", "regular", "sobol", "jittered", "random", "sobol,sampler.scramble=owen")
-            for mode in _counts(f"accumulate:n={{n}},sampler={sampler}", (4, 16, 64, 256))
-        ),
+        *_accumulate("halton", "regular", "sobol", "jittered", "random", counts=(4, 16, 64, 256)),
+        *_accumulate("sobol,sampler.scramble=owen", counts=(4, 16, 64, 256)),
     ),
 }
 
@@ -84,12 +93,14 @@ def profile(name: str) -> Mapping[str, tuple[str, ...]]:
     return PROFILES[name]
 
 
-def with_samplers(modes: Mapping[str, tuple[str, ...]], names: Iterable[str]) -> dict[str, tuple[str, ...]]:
-    """A profile with the tracer's uniform modes of further samplers: those of plugins."""
-    own = dict(modes)
-    if "embree" in own:
-        own["embree"] += _uniform(*names)
-    return own
+def with_samplers(modes: Mapping[str, tuple[str, ...]], names: Sequence[str]) -> dict[str, tuple[str, ...]]:
+    """A profile with the modes of further samplers, those of plugins: in every renderer that takes one."""
+    further = {
+        "embree": _uniform(*names),
+        "povray": _accumulate(*names, counts=(4, 16)),  # each frame takes a quarter of a second
+        "osmesa": _accumulate(*names, counts=(4, 16, 64)),
+    }
+    return {renderer: (*own, *further.get(renderer, ())) for renderer, own in modes.items()}
 
 
 def matching(patterns: Iterable[str], names: Iterable[str], what: str) -> list[str]:

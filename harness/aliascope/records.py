@@ -76,6 +76,8 @@ class Outcome:
     """Path of the picture, relative to the output folder."""
     harness_seconds: float = 0.0
     """Wall time of the job beyond rendering and measuring."""
+    processes: int = 1
+    """How many jobs ran side by side while this one was timed."""
 
 
 @dataclass(frozen=True)

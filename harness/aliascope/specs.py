@@ -119,6 +119,19 @@ def parse(text: str, forms: Mapping[str, Form], what: str) -> Spec:
     return Spec(name, values, join(name, shown), form)
 
 
+def spelled_out(spec: Spec) -> str:
+    """The text of a spec with its defaults: all keys, sorted; inner specs in their canonical form."""
+    pairs: dict[str, str] = {}
+    for key in spec.form.keys:
+        if key.kind == "spec":
+            base, under = split(spec.word(key.name))
+            pairs[key.name] = base
+            pairs.update({f"{key.name}.{name}": value for name, value in under.items()})
+        else:
+            pairs[key.name] = _shown(spec.values[key.name])
+    return join(spec.name, pairs)
+
+
 def family(spec: Spec) -> str:
     """The name of a family of modes: the mode without its count; specs that are `named` always, others where they are
     not the default."""

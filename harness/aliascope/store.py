@@ -11,7 +11,7 @@ from types import TracebackType
 from aliascope.errors import InvalidInput, NotWritable
 from aliascope.records import Cost, Job, Outcome
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 
 _SCHEMA = """
 CREATE TABLE run (
@@ -36,7 +36,8 @@ CREATE TABLE job (
   cpu_seconds REAL, wall_seconds REAL, repeats INTEGER,
   quantum REAL,
   image TEXT,                       -- relative to the folder
-  harness_seconds REAL
+  harness_seconds REAL,
+  processes INTEGER NOT NULL DEFAULT 1  -- that ran side by side: with more than one, times are inflated
 );
 CREATE TABLE metric (
   key TEXT NOT NULL REFERENCES job (key) ON DELETE CASCADE,
@@ -45,6 +46,9 @@ CREATE TABLE metric (
   PRIMARY KEY (key, name)
 );
 """
+
+# Jobs that schema 1 kept count as timed alone, the default of -j. They may not have been: it did not note that.
+_FROM_1 = "ALTER TABLE job ADD COLUMN processes INTEGER NOT NULL DEFAULT 1"
 
 
 class Store:
@@ -69,6 +73,11 @@ class Store:
         if version == 0:
             with self._database:
                 self._database.executescript(_SCHEMA)
+                self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+        elif version == 1:
+            with self._database:
+                self._database.execute("BEGIN")  # or the column could be there and the version not
+                self._database.execute(_FROM_1)
                 self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
         elif version != SCHEMA_VERSION:
             raise InvalidInput(
@@ -106,7 +115,7 @@ class Store:
         row = (
             *(job.key, self._run, job.scene, job.scene_path, job.renderer, job.mode, job.width, job.height, job.seed),
             *(outcome.status, outcome.message, *figures),
-            *(outcome.quantum, outcome.image, outcome.harness_seconds),
+            *(outcome.quantum, outcome.image, outcome.harness_seconds, outcome.processes),
         )
         try:
             with self._database:
@@ -150,4 +159,5 @@ def _outcome(row: sqlite3.Row, metrics: Mapping[str, float | None]) -> Outcome:
         quantum=row["quantum"],
         image=row["image"],
         harness_seconds=row["harness_seconds"],
+        processes=row["processes"],
     )

@@ -17,8 +17,11 @@ import fake_povray
 import numpy as np
 import pytest
 
-from aliascope import places, plan
+from aliascope import places, plan, references, renderers
+from aliascope.errors import CheckFailed
 from aliascope.image import read_header, read_image, write_exr
+from aliascope.studies import selection
+from aliascope.studies.compare import reference_of
 
 COMMAND = [sys.executable, "-W", "error", "-m", "aliascope.cli"]
 QUICK = ("-m", "uniform:n=1", "-m", "none", "-m", "msaa:n=4")
@@ -203,7 +206,7 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
     assert second["rows"] == first["rows"]
 
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        assert database.execute("PRAGMA user_version").fetchone() == (1,)
+        assert database.execute("PRAGMA user_version").fetchone() == (2,)
         revision, machine, versions = database.execute("SELECT revision, machine, versions FROM run").fetchone()
         rows = database.execute("SELECT image, seed, cpu_seconds, samples FROM job").fetchall()
     assert revision == places.revision()
@@ -224,14 +227,47 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
     third = compare(tmp_path, "edge", "discs", *QUICK)
     assert (third["rendered"], third["rows"]) == (0, first["rows"])
 
-    (tmp_path / rows[0][0]).unlink()
-    assert compare(tmp_path, "edge", "discs", *QUICK)["rendered"] == 1
+    # What is not there, is cut short, or is another picture, of the first seed or not, is made again.
+    seeds = {seed: tmp_path / path for path, seed, *_ in rows}
+    broken = [seeds.pop(0), seeds.pop(1)]
+    rest = [path for path, *_ in rows if tmp_path / path not in broken]
+    for path in broken:
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    (tmp_path / rest[0]).unlink()
+    write_exr(tmp_path / rest[1], np.zeros((2, 3, 3), np.float32), {})
+    fourth = compare(tmp_path, "edge", "discs", *QUICK, "--resume")
+    assert (fourth["rendered"], fourth["failed"]) == (4, 0)
+    assert [row["metrics"] for row in fourth["rows"]] == [row["metrics"] for row in first["rows"]]
 
 
 def test_processes_side_by_side_make_the_same_pictures(tmp_path: Path) -> None:
     modes = ("edge", "-r", "embree", "-m", "uniform:n=4", "-m", "uniform:n=16,sampler=halton")
     one, two = (compare(tmp_path / processes, *modes, "-j", processes) for processes in ("1", "2"))
     assert [row["metrics"] for row in one["rows"]] == [row["metrics"] for row in two["rows"]]
+
+
+def test_times_of_jobs_side_by_side_do_not_pass_for_those_of_jobs_alone(tmp_path: Path) -> None:
+    modes = ("edge", "-r", "embree", "-m", "uniform:n=1")
+
+    def report() -> str:
+        return (tmp_path / "report.html").read_text()
+
+    assert compare(tmp_path, *modes, "-j", "2")["rendered"] == SEEDS
+    assert f"{SEEDS} of the pictures 2: those with more than 1 have inflated times" in report()
+    assert compare(tmp_path, *modes, "-j", "3")["reused"] == SEEDS
+    assert compare(tmp_path, *modes)["rendered"] == SEEDS
+    assert "1: each picture was timed alone" in report()
+    assert compare(tmp_path, *modes, "-j", "2")["reused"] == SEEDS
+    assert "1: each picture was timed alone" in report()
+
+    # A folder of the schema without that column is brought up to date; its pictures count as timed alone.
+    with sqlite3.connect(tmp_path / "results.sqlite") as database:
+        database.execute("ALTER TABLE job DROP COLUMN processes")
+        database.execute("PRAGMA user_version = 1")
+    assert compare(tmp_path, *modes)["reused"] == SEEDS
+    with sqlite3.connect(tmp_path / "results.sqlite") as database:
+        assert database.execute("PRAGMA user_version").fetchone() == (2,)
+        assert database.execute("SELECT DISTINCT processes FROM job").fetchall() == [(1,)]
 
 
 def test_dry_run_and_choices(tmp_path: Path) -> None:
@@ -244,11 +280,36 @@ def test_dry_run_and_choices(tmp_path: Path) -> None:
     assert {job["renderer"] for job in jobs("-r", "osmesa")} == {"osmesa"}
     assert {job["mode"] for job in jobs("edge", "-m", "am2*")} == {"am2", "am2:depth=4"}
     assert len(jobs("edge", "-m", "regular:n=9")) == 1
+    for pattern, expected in (
+        (
+            "uniform:n=16*",
+            {"uniform", *(f"uniform:sampler={name}" for name in ("random", "regular", "jittered", "halton"))},
+        ),
+        (
+            "uniform:n=16,*",
+            {"uniform", *(f"uniform:sampler={name}" for name in ("random", "regular", "jittered", "halton"))},
+        ),
+        ("am1:depth=3*", {"am1"}),  # the profile's own text
+        ("am1:*threshold=0.1", {"am1", "am1:depth=2", "am1:depth=5"}),  # with the defaults
+        ("msaa:n=4*", {"msaa", "msaa:sample-shading=1"}),
+        ("*owen, n=6?", {"uniform:n=64"}),  # as people read it
+        ("*owen*", {"uniform", *(f"uniform:n={n}" for n in (1, 4, 64, 256))}),
+    ):
+        assert {job["mode"] for job in jobs("edge", "-m", pattern)} == expected, pattern
+    halton = {(job["renderer"], job["mode"]) for job in jobs("edge", "-m", "*halton*")}
+    assert {mode for renderer, mode in halton if renderer == "osmesa"} == {
+        "accumulate",
+        "accumulate:n=4",
+        "accumulate:n=64",
+    }
+    assert {renderer for renderer, _ in halton} == {"embree", "osmesa"}
     assert not (tmp_path / "results.sqlite").exists()
     for wrong, words in (
         (("egde",), 'did you mean "edge"?'),
         (("edge", "-r", "povrai"), 'did you mean "povray"?'),
         (("edge", "-m", "unifrom:n=4"), 'did you mean "uniform"?'),
+        (("edge", "-m", "nine"), 'did you mean "none"?'),
+        (("edge", "-m", "unifrom:n=16,*"), 'did you mean "uniform"?'),
         (("edge", "--profile", "quik"), 'did you mean "quick"?'),
         (("edge", "--resume", "-o", str(tmp_path / "absent")), "no results to resume"),
     ):
@@ -283,7 +344,9 @@ def test_a_job_that_fails_stops_no_other(tmp_path: Path, trouble: str) -> None:
     document = compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)
     assert (document["pictures"], document["failed"]) == (SEEDS + 2, 1)
     assert words in document["failures"][0]["message"]
-    assert document["failures"][0]["command"].startswith("aliascope render edge -r povray -m none")
+    command = document["failures"][0]["command"]
+    assert command.startswith("aliascope render edge -r povray -m none ")
+    assert command.endswith(" --time-limit 2")
     assert words in (tmp_path / "out" / "report.html").read_text()
     # What failed is tried again, and only that.
     assert compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)["reused"] == SEEDS + 2
@@ -339,7 +402,9 @@ def test_a_compare_that_was_stopped_keeps_what_it_has_and_goes_on(tmp_path: Path
     (tmp_path / "images" / ".cut-short.1.exr").write_bytes(b"\x76\x2f\x31\x01")
     document = compare(tmp_path, "edge", "-r", "embree", "--resume")
     assert document["reused"] == had >= 5
-    assert document["rendered"] == 15 * SEEDS + 10 - had  # 15 modes have seeds, 10 have none
+    embree = renderers.find("embree")
+    seeded = [embree.seeded(renderers.mode_of(embree, mode)) for mode in plan.QUICK["embree"]]
+    assert document["rendered"] == sum(SEEDS if each else 1 for each in seeded) - had
     assert not list(tmp_path.glob("images/**/.*"))
 
 
@@ -375,11 +440,39 @@ def test_a_scene_that_nothing_draws(tmp_path: Path) -> None:
     scene.write_text(text + '\n[[lights]]\ntype = "sphere"\ncentre = [0, 0, 1]\nradius = 1.0\nintensity = [1, 1, 1]\n')
     message = complaint("compare", scene, "-o", tmp_path / "out", code=2)
     assert "no mode draws it: Embree here does not draw: sphere light" in message
+    # A dry run ends as the run would, and says which cells stay empty.
+    assert complaint("compare", scene, "-o", tmp_path / "out", "--dry-run", code=2) == message
+    dry = run("compare", scene, "-m", "none", "--dry-run", code=2).stdout.splitlines()
+    assert dry[0] == "0 pictures"
+    assert {line.partition(": ")[0] for line in dry[1:]} == {"empty lit"}
+    cells = json.loads(run("compare", scene, "-m", "none", "--dry-run", "--json", code=2).stdout)["empty"]
+    assert {(cell["scene"], cell["renderer"], cell["mode"]) for cell in cells} == {
+        ("lit", "povray", "none"),
+        ("lit", "osmesa", "none"),
+    }
+    assert all("sphere light" in cell["reason"] for cell in cells)
+    assert "1 picture\n" in run("compare", "edge", "-r", "osmesa", "-m", "none", "--dry-run").stdout
 
 
-def test_a_missing_reference_of_ours_is_said_and_never_made(tmp_path: Path) -> None:
-    message = complaint("compare", "edge", "-m", "uniform:n=4,filter=tent", "-o", tmp_path / "out", code=1)
-    assert "make it with: aliascope reference edge --filter tent" in message
+def test_a_missing_reference_of_ours_is_said_and_never_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(places, "REFERENCES", tmp_path / "none")
+    chosen = selection.plan_of(["edge"], ["embree"], ["uniform:n=4,filter=mitchell"], "quick", None)
+    for filter_, option in (("box", ""), ("mitchell", " --filter mitchell")):
+        with pytest.raises(CheckFailed, match=f"make it with: aliascope reference edge{option}"):
+            reference_of(chosen, ("edge", filter_), (128, 96), tmp_path, print)
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_reference_of_a_filter_that_no_profile_judges_is_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    few, make, told = references.Plan(samples=4, replicates=2), references.make, list[str]()
+    monkeypatch.setattr(references, "make", lambda scene, size, filter_, _: make(scene, size, filter_, few))
+    chosen = selection.plan_of(["edge"], ["embree"], ["uniform:n=4,filter=tent"], "quick", None)
+    for _ in range(2):
+        assert reference_of(chosen, ("edge", "tent"), (128, 96), tmp_path, told.append).pixels.shape == (96, 128, 3)
+    assert told == ["making the reference of edge, 128 x 96 pixels, filter tent"]
+    assert (tmp_path / "edge" / "128x96-tent.exr").is_file()
 
 
 # --- doctor -----------------------------------------------------------------------------------------------------------

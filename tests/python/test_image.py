@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -41,3 +42,17 @@ def test_what_is_no_picture_is_said(tmp_path: Path) -> None:
     (tmp_path / "cut.exr").write_bytes(whole.read_bytes()[:900])
     with pytest.raises(InvalidInput, match=r"cut\.exr: "):
         read_image(tmp_path / "cut.exr")
+
+
+def test_contents_reach_the_disk_before_the_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    done: list[str] = []
+    monkeypatch.setattr("os.fsync", lambda number: done.append(f"sync {os.path.samestat(os.fstat(number), part())}"))
+    replace = Path.replace
+    monkeypatch.setattr(Path, "replace", lambda own, to: (done.append("replace"), replace(own, to))[1])
+
+    def part() -> os.stat_result:
+        (path,) = tmp_path.glob(".a.*.exr")
+        return path.stat()
+
+    write_exr(tmp_path / "a.exr", np.zeros((1, 1, 3), np.float32), {})
+    assert done == ["sync True", "replace"]

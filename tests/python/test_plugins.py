@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
+import shlex
+import sqlite3
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +14,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+
+from aliascope.image import read_header, read_image
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "csrc" / "plugins" / "kronecker.c"
@@ -60,23 +65,62 @@ def test_a_plugin_is_in_every_list_table_and_plot(tmp_path: Path, installed: Pat
     assert "mine" in {entry["name"] for entry in listed}
 
     out = tmp_path / "out"
-    mine = ("-m", "*sampler=mine*", "-m", "uniform:n=4,sampler=mine,sampler.shift=0.125")
+    mine = (
+        "-r",
+        "embree",
+        "-r",
+        "osmesa",
+        "-m",
+        "*sampler=mine*",
+        "-m",
+        "uniform:n=4,sampler=mine,sampler.shift=0.125",
+    )
     document = json.loads(run("compare", "edge", *mine, "-o", out, f"--plugin={plugin}", "--json").stdout)
     modes = {row["mode"]: row["metrics"]["rmse"] for row in document["rows"]}
     assert set(modes) == {
         "uniform:sampler=mine",
         *(f"uniform:n={n},sampler=mine" for n in (1, 4, 64, 256)),
         "uniform:n=4,sampler=mine,sampler.shift=0.125",
+        "accumulate:sampler=mine",
+        *(f"accumulate:n={n},sampler=mine" for n in (4, 64)),
     }
     assert modes["uniform:n=256,sampler=mine"] < modes["uniform:n=4,sampler=mine"] / 4
     assert "sampler=mine" in (out / "report.html").read_text()
     assert "sampler=mine" in (out / "results.csv").read_text()
 
+    # Its provenance says which plugin, and the command that repeats a picture loads it.
+    digest = hashlib.sha256(plugin.read_bytes()).hexdigest()
+    with sqlite3.connect(out / "results.sqlite") as database:
+        images = [path for (path,) in database.execute("SELECT image FROM job")]
+        ((command, versions),) = database.execute("SELECT command, versions FROM run")
+    assert json.loads(versions)["plugin mine"] == f"{plugin} sha256 {digest}"
+    assert str(plugin) in command
+    assert digest in (out / "report.html").read_text()
+    for path in images:
+        header = read_header(out / path)
+        assert digest in header["versions"]
+        words = shlex.split(header["command"])
+        assert words[words.index("--plugin") + 1] == str(plugin)
+    again = tmp_path / "again.exr"
+    assert (words[0], words[words.index("-o") + 1]) == ("aliascope", "out.exr")
+    run(*words[1:], "-o", again)
+    assert np.array_equal(read_image(again), read_image(out / path))
+
+    # What names no sampler of the plugin is what it is without: its pictures are those that are there already.
+    plain = ("compare", "edge", "-m", "uniform:n=4", "-m", "none", "-m", "accumulate:n=4", "-o", out, "--json")
+    first = json.loads(run(*plain).stdout)
+    second = json.loads(run(*plain, "--plugin", plugin).stdout)
+    assert first["reused"] == 0
+    assert (second["rendered"], second["reused"]) == (0, first["rendered"])
+    with sqlite3.connect(out / "results.sqlite") as database:
+        plain_images = {path for (path,) in database.execute("SELECT image FROM job")} - set(images)
+    assert not [path for path in plain_images if "plugin" in "".join(read_header(out / path).values())]
+
     # Another build of the same name is another sampler: its pictures are made again.
     (tmp_path / "again").mkdir()
     changed = compiled(tmp_path / "again", installed, "mine", ("{2, 3, 5,", "{3, 2, 5,"))
     again = json.loads(run("compare", "edge", *mine, "-o", out, "--plugin", changed, "--json").stdout)
-    assert (again["rendered"], again["reused"]) == (6, 0)
+    assert (again["rendered"], again["reused"]) == (9, 0)
 
 
 @pytest.mark.parametrize(
@@ -123,3 +167,6 @@ def test_values_outside_the_unit_interval_are_an_error(tmp_path: Path, installed
     document: dict[str, Any] = json.loads(out)
     assert (document["pictures"], document["failed"]) == (1, 1)
     assert "outside [0, 1)" in document["failures"][0]["message"]
+    command = document["failures"][0]["command"]
+    assert command.endswith(f" --time-limit 120 --plugin {plugin}")
+    assert "outside [0, 1)" in run(*shlex.split(command)[1:], "-o", tmp_path / "o.exr", code=4).stderr

@@ -6,7 +6,7 @@ import pytest
 
 from aliascope.errors import SpecError
 from aliascope.native import samplers
-from aliascope.specs import Form, Key, family, parse
+from aliascope.specs import Form, Key, family, parse, spelled_out
 
 FORMS = {
     "none": Form("none", "nothing"),
@@ -74,3 +74,10 @@ def test_a_family_leaves_out_the_count_alone() -> None:
     texts = ("grid:n=4", "grid:n=9,threshold=0.1", "grid:sampler=halton")
     assert {family(parse(text, FORMS, "m")) for text in texts} == {"grid halton"}
     assert family(parse("grid:threshold=0.5,sampler=sobol", FORMS, "m")) == "grid threshold=0.5 sobol"
+
+
+def test_spelled_out_has_every_default_and_reads_back() -> None:
+    spec = parse("grid:sampler.scramble=owen", FORMS, "m")
+    assert spelled_out(spec) == "grid:filter=box,n=16,sampler=halton,sampler.scramble=owen,threshold=0.1"
+    assert parse(spelled_out(spec), FORMS, "m") == spec
+    assert spelled_out(parse("none", FORMS, "m")) == "none"

@@ -65,12 +65,23 @@ def compare(
 
 
 def _dry_run(plan: Any, as_json: bool) -> None:
+    from aliascope.studies import compare as study
+
     if as_json:
         jobs = [{"scene": j.scene, "renderer": j.renderer, "mode": j.mode, "seed": j.seed} for j in plan.jobs]
-        print_json({"jobs": jobs, "skipped": dict(plan.skipped)})
-        return
+        print_json({"jobs": jobs, "skipped": dict(plan.skipped), "empty": study.empty_cells(plan)})
+    else:
+        _dry_run_lines(plan)
+    study.check_drawn(plan)
+
+
+def _dry_run_lines(plan: Any) -> None:
+    from aliascope.studies import compare as study
+
     for job in sorted(plan.jobs, key=lambda job: (job.scene, job.renderer, job.mode, job.seed)):
         typer.echo(f"{job.scene}  {job.renderer}  {job.mode}  seed {job.seed}")
-    typer.echo(f"{len(plan.jobs)} pictures")
+    typer.echo(study.counted(len(plan.jobs)))
     for name, reason in plan.skipped.items():
         typer.echo(f"skipped {name}: {reason}")
+    for line in study.empty_lines(plan):
+        typer.echo(line)

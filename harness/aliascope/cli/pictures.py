@@ -19,12 +19,13 @@ def render(
     seed: Seed = 0,
     size: Size = None,
     threads: Annotated[int, typer.Option(min=1, max=256)] = 1,
+    time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds until the renderer gives up.")] = 600.0,
     as_json: Json = False,
 ) -> None:
     """Render one scene with one renderer and mode, and say what it cost."""
     from aliascope.studies.single import render_file
 
-    summary = render_file(scene, renderer, mode, out, seed, size_of(size), threads)
+    summary = render_file(scene, renderer, mode, out, seed, size_of(size), threads, time_limit)
     if as_json:
         print_json(summary)
     else:

@@ -111,7 +111,16 @@ def refusal(spec: str, n: int, dimensions: int = 2) -> str | None:
     return None
 
 
-_plugins: dict[str, str] = {}
+@dataclass(frozen=True)
+class Plugin:
+    """A plugin that is loaded: its resolved path, the SHA-256 of the file, the names of the samplers it registered."""
+
+    path: str
+    sha256: str
+    samplers: tuple[str, ...]
+
+
+_plugins: dict[str, Plugin] = {}
 
 
 def load_plugin(path: str) -> None:
@@ -120,13 +129,15 @@ def load_plugin(path: str) -> None:
     if resolved in _plugins:
         return
     library, box = _library(), error_box(_library().ffi)
+    known = library.lib.asc_sampler_count()
     check(library, library.lib.asc_plugin_load(resolved.encode(), box), box)
-    _plugins[resolved] = hashlib.sha256(Path(resolved).read_bytes()).hexdigest()
+    names = tuple(info.name for info in registered()[known:])
+    _plugins[resolved] = Plugin(resolved, hashlib.sha256(Path(resolved).read_bytes()).hexdigest(), names)
 
 
-def plugins() -> dict[str, str]:
-    """The plugins that are loaded: the SHA-256 of each by its path."""
-    return dict(_plugins)
+def plugins() -> tuple[Plugin, ...]:
+    """The plugins that are loaded, in the order of loading."""
+    return tuple(_plugins.values())
 
 
 @dataclass(frozen=True)

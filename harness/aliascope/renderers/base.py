@@ -33,12 +33,17 @@ class Request:
 
 
 class Renderer(Protocol):
-    """A renderer. `title` is what people call it; `draws` are the features of scenes that it can draw."""
+    """A renderer. `title` is what people call it; `draws` are the features of scenes that it can draw.
+
+    `native` names its own modules of `aliascope.native`, each with a library libaliascope-NAME.so. With these, its
+    files are `renderers/NAME*.py`: pictures are made again when one of them changes.
+    """
 
     name: str
     title: str
     modes: Mapping[str, Form]
     draws: frozenset[str]
+    native: tuple[str, ...]
 
     def versions(self) -> Mapping[str, str]:
         """The versions that a picture depends on. Raises NotAvailable where the renderer is not there."""

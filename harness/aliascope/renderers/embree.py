@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 
+from aliascope.errors import JobFailed
 from aliascope.model import Scene
 from aliascope.native import filters, samplers, tracer
 from aliascope.records import Cost, Rendering
@@ -24,6 +26,7 @@ UNIFORM = Form(
 class Embree:
     name = "embree"
     title = "Embree"
+    native: tuple[str, ...] = ("tracer",)
     modes: Mapping[str, Form] = {UNIFORM.name: UNIFORM}
     draws = frozenset(
         {
@@ -44,15 +47,19 @@ class Embree:
         return samplers.randomised(mode.word("sampler"), mode.integer("n"))
 
     def render(self, request: Request) -> Rendering:
+        """The time limit is looked at between repeats only."""
+        started = time.monotonic()
         built = tracer.Tracer(request.scene, (request.width, request.height))
         sampler, count = request.mode.word("sampler"), request.mode.integer("n")
         settings = (sampler, count, request.seed, request.threads, filter_of(request.mode))
         pixels, first = built.render(*settings)
         cpu_seconds, wall_seconds, repeats = first.cpu_seconds, first.wall_seconds, 1
-        while cpu_seconds < request.least_seconds:
+        while cpu_seconds < request.least_seconds and time.monotonic() - started < request.time_limit:
             _, again = built.render(*settings)
             cpu_seconds, wall_seconds = cpu_seconds + again.cpu_seconds, wall_seconds + again.wall_seconds
             repeats += 1
+        if time.monotonic() - started > request.time_limit:
+            raise JobFailed(f"embree {request.mode.text} took more than {request.time_limit:g} s")
         cost = Cost(
             samples=first.samples,
             samples_per_pixel=float(count),

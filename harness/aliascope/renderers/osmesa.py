@@ -110,6 +110,7 @@ def _unshadowed(scene: Scene) -> str | None:
 class OSMesa:
     name = "osmesa"
     title = "OSMesa"
+    native: tuple[str, ...] = ("raster",)
     modes: Mapping[str, Form] = {form.name: form for form in (NONE, MSAA, ACCUMULATE)}
     draws = frozenset(
         {"orthographic", "perspective", "polygon", "mesh", "disc", "sphere", "plane", "zone-plate", "checker"}

@@ -81,6 +81,7 @@ class PovRay:
 
     name = "povray"
     title = "POV-Ray"
+    native: tuple[str, ...] = ()
     modes: Mapping[str, Form] = {form.name: form for form in FORMS}
     draws = frozenset(
         {

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import Any
 from aliascope import image, metrics, pipeline, places, references, renderers
 from aliascope.errors import CheckFailed, Interrupted, NotWritable, Unsupported
 from aliascope.pipeline import Options, Plan, Progress
+from aliascope.plan import FILTERS
 from aliascope.records import Estimate, Failure, ModeRow, Outcome, ReportData, SceneSection
 from aliascope.references import Reference
 from aliascope.references import files as reference_files
@@ -49,11 +51,12 @@ def compare(
     """
     begun, started = time.perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
     sizes = {pipeline.judged_by(job): (job.width, job.height) for job in plan.jobs}
-    _check_drawn(plan)
+    check_drawn(plan)
     judged = {key: reference_of(plan, key, size, folder / "references", tell) for key, size in sizes.items()}
     with Store(folder / "results.sqlite") as store:
         _check_writable(folder)
-        store.begin_run(started, command, places.revision(), places.machine(), plan.versions)
+        versions = {**plan.versions, **plan.plugins}
+        store.begin_run(started, command, places.revision(), places.machine(), versions)
         pixels = {key: reference.pixels for key, reference in judged.items()}
         try:
             outcomes, reused = pipeline.execute(plan, folder, store, pixels, options, progress)
@@ -71,19 +74,31 @@ def compare(
         headlines=headlines(sections),
         scenes=sections,
         failures=tuple(
-            Failure(job.scene, job.renderer, job.mode, outcome.message, pipeline.repeat_command(job))
+            Failure(
+                job.scene, job.renderer, job.mode, outcome.message, pipeline.repeat_command(job, options.time_limit)
+            )
             for job, outcome in ((job, outcomes[job.key]) for job in plan.jobs)
             if outcome.status == "failed"
         ),
-        machine=places.machine(),
-        versions={"aliascope": f"{places.own_version()} ({places.revision()})", **plan.versions},
+        machine={**places.machine(), "jobs side by side": _side_by_side(outcomes.values())},
+        versions={"aliascope": f"{places.own_version()} ({places.revision()})", **versions},
         metrics=metrics.ABOUT,
         skipped=plan.skipped,
     )
     return Comparison(write_report(folder, data), data, len(outcomes) - reused, outcomes)
 
 
-def _check_drawn(plan: Plan) -> None:
+def _side_by_side(outcomes: Iterable[Outcome]) -> str:
+    """How far the times can be compared, for the report."""
+    counts = Counter(outcome.processes for outcome in outcomes if outcome.status == "done")
+    if set(counts) <= {1}:
+        return "1: each picture was timed alone"
+    told = ", ".join(f"{found} of the pictures {processes}" for processes, found in sorted(counts.items()))
+    return f"{told}: those with more than 1 have inflated times; run again with -j 1 for times that can be compared"
+
+
+def check_drawn(plan: Plan) -> None:
+    """Raises Unsupported for a scene that nothing draws."""
     drawn = {job.scene for job in plan.jobs}
     for name in plan.files:
         reasons = {cell.reason for cell in plan.empty if cell.scene == name}
@@ -101,11 +116,11 @@ def _check_writable(folder: Path) -> None:
 def reference_of(
     plan: Plan, key: tuple[str, str], size: tuple[int, int], folder: Path, tell: Callable[[str], None]
 ) -> Reference:
-    """The kept reference of a scene of the project at its own size. Of any other scene or size, one that is made now
-    and kept in `folder`: exact where there is a method, else converged."""
+    """The kept reference of a scene of the project at its own size, of a filter that the profiles judge. Any other is
+    made now and kept in `folder`: exact where there is a method, else converged."""
     name, filter_ = key
     file = plan.files[name]
-    if file.path.parent == places.SCENES and size == file.scene.view.size:
+    if file.path.parent == places.SCENES and size == file.scene.view.size and filter_ in ("box", *FILTERS):
         return reference_files.load(places.REFERENCES, name, file.scene, size, filter_)
     if reference_files.path_of(folder, name, size, filter_).is_file():
         try:
@@ -149,7 +164,7 @@ def _note(reference: Reference) -> str:
     if reference.standard_error is None:
         return f"exact ({reference.method}), error below {reference.error:.1g}"
     spread = math.sqrt(float((reference.standard_error**2).mean()))
-    return f"converged ({reference.method}), standard error {spread:.1g} a pixel"
+    return f"converged, standard error {spread:.1g} a pixel"
 
 
 def _row(outcomes: Sequence[Outcome], folder: Path) -> ModeRow:
@@ -191,10 +206,7 @@ def summary(result: Comparison, plan: Plan) -> dict[str, Any]:
         "wall_seconds": data.wall_seconds,
         "headlines": list(data.headlines),
         "skipped": dict(data.skipped),
-        "empty": [
-            {"scene": cell.scene, "renderer": cell.renderer, "mode": cell.mode, "reason": cell.reason}
-            for cell in plan.empty
-        ],
+        "empty": empty_cells(plan),
         "failures": [asdict(failure) for failure in data.failures],
         "rows": [_row_document(scene.name, row) for scene in data.scenes for row in scene.rows],
     }
@@ -214,6 +226,21 @@ def _row_document(scene: str, row: ModeRow) -> dict[str, Any]:
     }
 
 
+def empty_cells(plan: Plan) -> list[dict[str, str]]:
+    """What is not drawn and why, for --json."""
+    return [asdict(cell) for cell in plan.empty]
+
+
+def empty_lines(plan: Plan) -> list[str]:
+    """What is not drawn and why, for a person: a line a scene, renderer and reason."""
+    reasons = {(cell.scene, cell.renderer, cell.reason) for cell in plan.empty}
+    return [f"empty {scene}: {reason}" for scene, _, reason in sorted(reasons)]
+
+
+def counted(pictures: int) -> str:
+    return f"{pictures} picture{'' if pictures == 1 else 's'}"
+
+
 def summary_lines(result: Comparison, plan: Plan) -> list[str]:
     """What a person reads at the end: failures, what is missing, the headlines, the path of the report."""
     data = result.data
@@ -222,11 +249,9 @@ def summary_lines(result: Comparison, plan: Plan) -> list[str]:
         for failure in data.failures
     ]
     lines += [f"skipped {name}: {reason}" for name, reason in data.skipped.items()]
-    reasons = {(cell.scene, cell.renderer, cell.reason) for cell in plan.empty}
-    lines += [f"empty {scene}: {reason}" for scene, _, reason in sorted(reasons)]
+    lines += empty_lines(plan)
     lines += data.headlines
     kept = f", {data.reused} of them from before" if data.reused else ""
-    pictures = f"{data.pictures} picture{'s' * (data.pictures != 1)}"
-    lines.append(f"{pictures}{kept}, {len(data.failures)} failed, {data.wall_seconds:.0f} s")
+    lines.append(f"{counted(data.pictures)}{kept}, {len(data.failures)} failed, {data.wall_seconds:.0f} s")
     lines.append(str(result.report))
     return lines

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import fnmatch
 from collections.abc import Sequence
 
 from aliascope import pipeline, plan, renderers, scene_io
 from aliascope.errors import InvalidInput, SpecError, near_misses
 from aliascope.native import samplers
 from aliascope.pipeline import Plan
-from aliascope.specs import split
+from aliascope.specs import label, spelled_out, split
 
 WILDCARDS = frozenset("*?[")
 
@@ -42,13 +43,17 @@ def _scenes(patterns: Sequence[str]) -> list[str]:
 
 
 def _modes(profile: dict[str, list[str]], modes: Sequence[str]) -> dict[str, list[str]]:
-    """Modes with a wildcard choose among the profile's; others are specs of those renderers that have their name."""
+    """Modes with a wildcard choose among the profile's; others are specs of those renderers that have their name.
+
+    A mode of the profile is chosen by each way to write it: the profile's, the canonical one, with its defaults, for
+    people.
+    """
     wanted: dict[str, list[str]] = {name: [] for name in profile}
     for mode in modes:
         hits = {name: _hits(name, mode, own) for name, own in profile.items()}
         if not any(hits.values()):
             known = [form for name in profile for form in renderers.find(name).modes]
-            raise SpecError(f'no mode "{mode}" of {", ".join(profile)}{near_misses(split(mode)[0], known)}')
+            raise SpecError(f'no mode "{mode}" of {", ".join(profile)}{near_misses(mode.partition(":")[0], known)}')
         for name, found in hits.items():
             wanted[name] += found
     return {name: found for name, found in wanted.items() if found}
@@ -57,9 +62,10 @@ def _modes(profile: dict[str, list[str]], modes: Sequence[str]) -> dict[str, lis
 def _hits(renderer: str, mode: str, own: Sequence[str]) -> list[str]:
     found = renderers.find(renderer)
     if WILDCARDS & set(mode):
-        known = [renderers.mode_of(found, each).text for each in own]
-        try:
-            return plan.matching([mode], known, "mode")
-        except InvalidInput:
-            return []
+        specs = {each: renderers.mode_of(found, each) for each in own}
+        return [
+            spec.text
+            for each, spec in specs.items()
+            if fnmatch.filter([each, spec.text, spelled_out(spec), label(spec)], mode)
+        ]
     return [mode] if split(mode)[0] in found.modes else []

@@ -10,18 +10,34 @@ from typing import Any
 from aliascope import api, image, metrics, pipeline, plan, references, renderers, scene_io
 from aliascope.native import filters
 from aliascope.references import files
-from aliascope.renderers.base import LEAST_SECONDS
+from aliascope.renderers.base import LEAST_SECONDS, Request
 
 
 def render_file(
-    scene: str, renderer: str, mode: str, out: Path, seed: int, size: tuple[int, int] | None, threads: int
+    scene: str,
+    renderer: str,
+    mode: str,
+    out: Path,
+    seed: int,
+    size: tuple[int, int] | None,
+    threads: int,
+    time_limit: float = Request.time_limit,
 ) -> dict[str, Any]:
     """Renders to a file, and gives the figures of `aliascope render --json`."""
     file = scene_io.load(scene)
     found = renderers.find(renderer)
     spec = renderers.mode_of(found, mode)
     least = LEAST_SECONDS if threads == 1 else 0.0
-    rendering = api.render(file, renderer, mode, size=size, seed=seed, threads=threads, least_seconds=least)
+    rendering = api.render(
+        file,
+        renderer,
+        mode,
+        size=size,
+        seed=seed,
+        threads=threads,
+        least_seconds=least,
+        time_limit=time_limit,
+    )
     metrics.check_finite(rendering.pixels, "the picture")
     versions = found.versions()
     height, width, _ = rendering.pixels.shape
@@ -52,7 +68,7 @@ def render_file(
         "repeats": cost.repeats,
         "threads": threads,
         "quantum": rendering.quantum,
-        "versions": dict(versions),
+        "versions": {**versions, **pipeline.plugin_versions(spec)},
         "image": str(out),
     }
 
