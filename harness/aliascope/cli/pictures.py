@@ -13,7 +13,7 @@ from aliascope.cli.shared import Json, Seed, Size, app, print_json, size_of
 @app.command(epilog="Example: aliascope render edge -r embree -m uniform:n=64 -o edge.exr")
 def render(
     scene: Annotated[str, typer.Argument(help="Name of a scene, or the path of a TOML file.")],
-    renderer: Annotated[str, typer.Option("-r", help="embree, povray or osmesa.")],
+    renderer: Annotated[str, typer.Option("-r", help="Name; see aliascope list renderers.")],
     mode: Annotated[str, typer.Option("-m", help="Spec of a mode; see aliascope list modes.")],
     out: Annotated[Path, typer.Option("-o", metavar="OUT.exr")],
     seed: Seed = 0,

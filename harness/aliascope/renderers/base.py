@@ -33,12 +33,19 @@ class Request:
 
 
 class Renderer(Protocol):
-    """A renderer. `title` is what people call it; `draws` are the features of scenes that it can draw."""
+    """A renderer. `title` is what people call it; `draws` are the features of scenes that it can draw.
+
+    `probe_mode` is a mode that resolves a hundredth of a pixel, its pattern centred in the pixel; `single_mode` has one
+    sample, at the pixel's centre. Neither is random. They draw polygons seen orthographically at least: `doctor` looks
+    at those.
+    """
 
     name: str
     title: str
     modes: Mapping[str, Form]
     draws: frozenset[str]
+    probe_mode: str
+    single_mode: str
 
     def versions(self) -> Mapping[str, str]:
         """The versions that a picture depends on. Raises NotAvailable where the renderer is not there."""
