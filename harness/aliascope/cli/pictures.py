@@ -91,7 +91,7 @@ def error(
 
 @app.command(epilog="Example: aliascope reference edge --verify")
 def reference(
-    scenes: Annotated[list[str], typer.Argument(metavar="SCENE...")],
+    scenes: Annotated[list[str], typer.Argument(metavar="SCENE...", help="Names, patterns, TOML files.")],
     verify: Annotated[bool, typer.Option("--verify", help="Make them again and compare; change nothing.")] = False,
     size: Size = None,
     filter_: Annotated[str, typer.Option("--filter", metavar="SPEC", help="See aliascope list filters.")] = "box",
@@ -103,11 +103,11 @@ def reference(
 ) -> None:
     """Make the references of scenes, or check those that are there: exact if possible, else converged."""
     from aliascope import places
-    from aliascope.studies import single
+    from aliascope.studies import selection, single
 
     folder = out or places.REFERENCES
     work = single.verify_reference if verify else single.make_reference
-    results = [work(scene, folder, size_of(size), filter_, samples) for scene in scenes]
+    results = [work(scene, folder, size_of(size), filter_, samples) for scene in selection.scenes_of(scenes)]
     if as_json:
         print_json({"references": results})
     else:

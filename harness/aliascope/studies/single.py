@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from aliascope import api, image, metrics, pipeline, plan, references, renderers, scene_io
+from aliascope.errors import InvalidInput, NotWritable
 from aliascope.native import filters
 from aliascope.references import files
 from aliascope.renderers.base import LEAST_SECONDS
@@ -17,6 +18,7 @@ def render_file(
     scene: str, renderer: str, mode: str, out: Path, seed: int, size: tuple[int, int] | None, threads: int
 ) -> dict[str, Any]:
     """Renders to a file, and gives the figures of `aliascope render --json`."""
+    _check_out(out)
     file = scene_io.load(scene)
     found = renderers.find(renderer)
     spec = renderers.mode_of(found, mode)
@@ -55,6 +57,14 @@ def render_file(
         "versions": dict(versions),
         "image": str(out),
     }
+
+
+def _check_out(out: Path) -> None:
+    """Before a minute of rendering is spent. Raises InvalidInput, NotWritable."""
+    if out.suffix.lower() != ".exr":
+        raise InvalidInput(f'{out}: a picture is written as .exr, not "{out.suffix}"')
+    if not out.parent.is_dir():
+        raise NotWritable(f"{out}: cannot be written: there is no folder {out.parent}")
 
 
 def _processors() -> int:
