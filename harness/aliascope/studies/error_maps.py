@@ -190,7 +190,7 @@ def write_map(path: Path, image: Opened, reference: Opened, scale: float | None 
 
     .exr: float32, of each channel. .png: the mean over channels from -scale (blue, too dark) over 0 (white) to scale
     (red, too bright), at whole-pixel zoom, with a legend; what lies beyond has the end's colour, and the legend says
-    how many pixels. `scale`: the largest of the picture if not given. Raises InvalidInput, CheckFailed, NotWritable.
+    how many pixels. `scale`: the largest of the picture if not given. Raises InvalidInput, NotWritable.
     """
     check_map(path, scale)
     for each, what in ((image, "the picture"), (reference, "the reference")):
