@@ -104,10 +104,12 @@ def reference(
     """Make the references of scenes, or check those that are there: exact if possible, else converged."""
     from aliascope import places
     from aliascope.studies import selection, single
+    from aliascope.studies.progress import progress_bar
 
     folder = out or places.REFERENCES
     work = single.verify_reference if verify else single.make_reference
-    results = [work(scene, folder, size_of(size), filter_, samples) for scene in selection.scenes_of(scenes)]
+    with progress_bar() as tell:
+        results = [work(scene, folder, size_of(size), filter_, samples, tell) for scene in selection.scenes_of(scenes)]
     if as_json:
         print_json({"references": results})
     else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -67,17 +68,34 @@ def _check_out(out: Path) -> None:
         raise NotWritable(f"{out}: cannot be written: there is no folder {out.parent}")
 
 
+Tell = Callable[[str, int, int], None]
+"""What is being made, and how many of how many pictures of it are done."""
+
+
+def _nobody(what: str, done: int, total: int) -> None:
+    """Tells nobody."""
+
+
 def _processors() -> int:
     return len(os.sched_getaffinity(0))
 
 
 def make_reference(
-    scene: str, folder: Path, size: tuple[int, int] | None, filter_: str = "box", samples: int | None = None
+    scene: str,
+    folder: Path,
+    size: tuple[int, int] | None,
+    filter_: str = "box",
+    samples: int | None = None,
+    tell: Tell = _nobody,
 ) -> dict[str, Any]:
     """Makes and writes one reference: exact where the scene and the filter allow it, else converged."""
     file = scene_io.load(scene)
     wanted, filter_ = size or file.scene.view.size, filters.canonical(filter_)
-    converged = references.Plan(samples=samples or references.Plan.samples, threads=_processors())
+    converged = references.Plan(
+        samples=samples or references.Plan.samples,
+        threads=_processors(),
+        tell=lambda done, total: tell(f"{file.name}  {filter_}", done, total),
+    )
     made = references.make(file.scene, wanted, filter_, converged)
     path = files.save(folder, file.name, file.scene, wanted, filter_, made)
     return {
@@ -93,12 +111,22 @@ def make_reference(
 
 
 def verify_reference(
-    scene: str, folder: Path, size: tuple[int, int] | None, filter_: str = "box", samples: int | None = None
+    scene: str,
+    folder: Path,
+    size: tuple[int, int] | None,
+    filter_: str = "box",
+    samples: int | None = None,
+    tell: Tell = _nobody,
 ) -> dict[str, Any]:
     """Makes one reference again and compares it with the file; `samples`: of each replicate, for a converged one."""
     file = scene_io.load(scene)
     wanted, filter_ = size or file.scene.view.size, filters.canonical(filter_)
-    check = dataclasses.replace(files.CHECK, samples=samples or files.CHECK.samples, threads=_processors())
+    check = dataclasses.replace(
+        files.CHECK,
+        samples=samples or files.CHECK.samples,
+        threads=_processors(),
+        tell=lambda done, total: tell(f"{file.name}  {filter_}", done, total),
+    )
     found = files.verify(folder, file.name, file.scene, wanted, filter_, check)
     verdict = "holds" if found.holds else f"DOES NOT HOLD: {found.reason}"
     return {
