@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Mapping
+import threading
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -56,36 +57,69 @@ def remove_unfinished(folder: Path) -> None:
         path.unlink(missing_ok=True)
 
 
-def read_image(path: Path) -> Pixels:
-    """Any picture that OpenImageIO reads, as float32 (height, width, channels), as stored: no colour conversion."""
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[oiio.ImageInput]:
+    """A picture's file, open. Raises InvalidInput where it is not there or no picture."""
     if not path.is_file():
         raise InvalidInput(f"{path}: there is no such file")
-    image = oiio.ImageInput.open(str(path))
-    if image is None:
-        raise InvalidInput(f"{path}: not a picture that can be read: {_first_line(oiio.geterror())}")
-    try:
+    # By its definition the rows of a PFM go from the bottom to the top, which OpenImageIO only heeds if asked to.
+    config = oiio.ImageSpec()
+    config.attribute("pnm:pfmflip", 1)
+    with _libpng_silent(path):
+        image = oiio.ImageInput.open(str(path), config)
+        if image is None:
+            raise InvalidInput(f"{path}: not a picture that can be read: {_first_line(oiio.geterror())}")
+        try:
+            yield image
+        finally:
+            image.close()
+
+
+def read_image(path: Path) -> Pixels:
+    """Any picture that OpenImageIO reads, as float32 (height, width, channels), as stored: no colour conversion.
+
+    Raises InvalidInput where the file is not there, no picture, or not whole.
+    """
+    with opened(path) as image:
         pixels = image.read_image(oiio.FLOAT)
-        if pixels is None:
-            raise InvalidInput(f"{path}: the picture is broken: {_first_line(image.geterror())}")
+        problem = image.geterror()  # a JPEG that ends too soon has pixels all the same
+        if pixels is None or problem:
+            raise InvalidInput(f"{path}: the picture is broken: {_first_line(problem)}")
         return np.asarray(pixels, dtype=np.float32)
-    finally:
-        image.close()
 
 
 def read_header(path: Path) -> dict[str, str]:
-    """The provenance in a picture's header, without the prefix; empty where there is none."""
-    image = oiio.ImageInput.open(str(path))
-    if image is None:
-        raise InvalidInput(f"{path}: not a picture that can be read: {_first_line(oiio.geterror())}")
-    try:
-        attributes = image.spec().extra_attribs
+    """The provenance in a picture's header, without the prefix; empty where there is none. Raises InvalidInput."""
+    with opened(path) as image:
         return {
             attribute.name.removeprefix(HEADER_PREFIX): str(attribute.value)
-            for attribute in attributes
+            for attribute in image.spec().extra_attribs
             if attribute.name.startswith(HEADER_PREFIX)
         }
-    finally:
-        image.close()
+
+
+_standard_error = threading.Lock()
+
+
+@contextlib.contextmanager
+def _libpng_silent(path: Path) -> Iterator[None]:
+    """Keeps from standard error what libpng prints there of a broken PNG, and OpenImageIO reports as well."""
+    try:
+        with path.open("rb") as file:
+            is_png = file.read(8) == b"\x89PNG\r\n\x1a\n"
+    except OSError as error:
+        raise InvalidInput(f"{path}: cannot be read: {error.strerror}") from error
+    if not is_png:
+        yield
+        return
+    with _standard_error, Path(os.devnull).open("wb") as nowhere:
+        kept = os.dup(2)
+        os.dup2(nowhere.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
 
 
 def _first_line(text: str) -> str:

@@ -15,10 +15,10 @@ LARGEST_SIDE = 16384
 LARGEST_AREA = 1 << 26
 LARGEST_COORDINATE = 1e30
 
-Coordinate = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST_COORDINATE, le=LARGEST_COORDINATE)]
-Positive = Annotated[float, Field(allow_inf_nan=False, gt=0.0, le=LARGEST_COORDINATE)]
-Intensity = Annotated[float, Field(allow_inf_nan=False, ge=0.0, le=LARGEST_COORDINATE)]
-Share = Annotated[float, Field(allow_inf_nan=False, ge=0.0, le=1.0)]
+Coordinate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST_COORDINATE, le=LARGEST_COORDINATE)]
+Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0, le=LARGEST_COORDINATE)]
+Intensity = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=LARGEST_COORDINATE)]
+Share = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0, le=1.0)]
 Side = Annotated[int, Field(strict=True, ge=1, le=LARGEST_SIDE)]
 Vector = tuple[Coordinate, Coordinate, Coordinate]
 Colour = tuple[Intensity, Intensity, Intensity]
@@ -47,10 +47,10 @@ class Camera(Part):
     look_at: Vector
     up: Vector = (0.0, 1.0, 0.0)
     height: Positive | None = None
-    vertical_fov_degrees: Annotated[float, Field(gt=0.0, lt=180.0)] | None = None
-    lens_radius: Annotated[float, Field(ge=0.0, le=LARGEST_COORDINATE)] | None = None
+    vertical_fov_degrees: Annotated[float, Field(strict=True, gt=0.0, lt=180.0)] | None = None
+    lens_radius: Annotated[float, Field(strict=True, ge=0.0, le=LARGEST_COORDINATE)] | None = None
     focus_distance: Positive | None = None
-    blades: Annotated[int, Field(ge=0, le=64)] = 0
+    blades: Annotated[int, Field(strict=True, ge=0, le=64)] = 0
     shutter: tuple[Coordinate, Coordinate] | None = None
     response: Literal["box", "triangle"] = "box"
 

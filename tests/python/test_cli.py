@@ -146,7 +146,7 @@ def test_error_never_gives_a_number_for_what_is_none(tmp_path: Path) -> None:
     write_exr(tmp_path / "small.exr", pixels[1:], {})
     pixels[2, 3, 1] = np.nan
     write_exr(tmp_path / "nan.exr", pixels, {})
-    text = complaint("error", tmp_path / "nan.exr", tmp_path / "zero.exr", code=1)
+    text = complaint("error", tmp_path / "nan.exr", tmp_path / "zero.exr", code=2)
     assert "1 NaN and 0 infinite values, the first at x=3, y=2, channel 1" in text
     assert "5 x 3 pixels" in complaint("error", tmp_path / "small.exr", tmp_path / "zero.exr", code=2)
     assert "no such file" in complaint("error", tmp_path / "absent.exr", tmp_path / "zero.exr", code=2)
@@ -155,6 +155,10 @@ def test_error_never_gives_a_number_for_what_is_none(tmp_path: Path) -> None:
 def test_render_errors(tmp_path: Path) -> None:
     out = tmp_path / "o.exr"
     render = ("render", "edge", "-o", out)
+    to = ("render", "edge", "-r", "embree", "-m", "uniform", "-o")
+    assert 'as .exr, not ".png"' in complaint(*to, tmp_path / "a.png", code=2)
+    assert "no folder" in complaint(*to, tmp_path / "absent" / "a.exr", code=4)
+    assert not list(tmp_path.iterdir())
     assert 'did you mean "edge"?' in complaint("render", "egde", "-r", "embree", "-m", "uniform", "-o", out, code=2)
     assert 'did you mean "embree"?' in complaint(*render, "-r", "embre", "-m", "uniform", code=2)
     assert 'did you mean "uniform"?' in complaint(*render, "-r", "embree", "-m", "unifrom", code=2)

@@ -13,7 +13,7 @@ import OpenImageIO as oiio
 import pytest
 
 from aliascope import metrics
-from aliascope.errors import CheckFailed, InvalidInput, NotWritable
+from aliascope.errors import InvalidInput, NotWritable
 from aliascope.image import read_header, read_image, write_exr
 from aliascope.studies import error_maps
 from aliascope.studies.error_maps import LEAST_SIDE, LEGEND, MARGIN, TITLE, decode_srgb, map_zoom, open_pair, write_map
@@ -307,7 +307,7 @@ def test_maps_that_cannot_be(tmp_path: Path) -> None:
             write_map(exr / f"map.{ending}", *pair)
     broken = RAMP.copy()
     broken[2, 3, 1] = np.inf
-    with pytest.raises(CheckFailed, match="1 infinite values, the first at x=3, y=2"):
+    with pytest.raises(InvalidInput, match="1 infinite values, the first at x=3, y=2"):
         write_map(tmp_path / "map.png", open_pair(write(tmp_path / "a.exr", broken), exr)[0], pair[1])
     assert not list(tmp_path.glob("map*"))
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 
 import numpy as np
+import OpenImageIO as oiio
 import pytest
 
 from aliascope.errors import InvalidInput, NotWritable
@@ -56,3 +58,47 @@ def test_contents_reach_the_disk_before_the_name(tmp_path: Path, monkeypatch: py
 
     write_exr(tmp_path / "a.exr", np.zeros((1, 1, 3), np.float32), {})
     assert done == ["sync True", "replace"]
+
+
+@pytest.mark.parametrize(("magic", "channels"), [(b"PF", 3), (b"Pf", 1)])
+@pytest.mark.parametrize(("scale", "order"), [(b"-1.0", "<f4"), (b"1.0", ">f4")])
+def test_a_pfm_goes_from_the_bottom_to_the_top(
+    tmp_path: Path, magic: bytes, channels: int, scale: bytes, order: str
+) -> None:
+    """Its definition: https://www.pauldebevec.com/Research/HDR/PFM/ (a negative scale: least byte first)."""
+    pixels = np.random.default_rng(5).normal(0, 3, (4, 7, channels)).astype(np.float32)
+    path = tmp_path / "a.pfm"
+    path.write_bytes(magic + b"\n7 4\n" + scale + b"\n" + pixels[::-1].astype(order).tobytes())
+    assert np.array_equal(read_image(path), pixels)
+
+
+def test_integers_of_netpbm_go_from_the_top(tmp_path: Path) -> None:
+    (tmp_path / "a.pgm").write_bytes(b"P5\n2 2\n255\n" + bytes([0, 51, 102, 255]))
+    assert np.allclose(read_image(tmp_path / "a.pgm")[:, :, 0], [[0, 0.2], [0.4, 1]], atol=1e-6)
+
+
+@pytest.mark.parametrize("ending", ["exr", "hdr", "jpg", "pfm", "png", "tif"])
+@pytest.mark.parametrize("share", [0.66, 0.9])
+def test_a_picture_that_was_cut_short_is_refused_without_noise(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], ending: str, share: float
+) -> None:
+    whole, cut = tmp_path / f"whole.{ending}", tmp_path / f"cut.{ending}"
+    out = oiio.ImageOutput.create(str(whole))
+    assert out.open(str(whole), oiio.ImageSpec(64, 48, 3, "uint8" if ending in ("jpg", "png", "tif") else "float"))
+    assert out.write_image(np.random.default_rng(2).random((48, 64, 3), dtype=np.float32))
+    assert out.close()
+    assert read_image(whole).shape == (48, 64, 3)
+    data = whole.read_bytes()
+    cut.write_bytes(data[: int(len(data) * share)])
+    with pytest.raises(InvalidInput, match=rf"cut\.{ending}: the picture is broken: \w"):
+        read_image(cut)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_png_with_a_broken_head_is_refused_without_noise(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR")
+    with pytest.raises(InvalidInput, match="not a picture that can be read"):
+        read_image(tmp_path / "a.png")
+    assert capfd.readouterr() == ("", "")
+    print("heard", file=sys.stderr)  # standard error is back
+    assert capfd.readouterr().err == "heard\n"

@@ -146,6 +146,17 @@ def test_the_header_says_how_it_was_made(folder: Path) -> None:
     assert "standard error" in loaded.uncertainty
 
 
+def test_progress_is_told_and_leaves_no_trace() -> None:
+    told: list[tuple[int, int]] = []
+    plan = Plan(samples=4, replicates=3, tell=lambda done, total: told.append((done, total)))
+    quiet = dataclasses.replace(plan, tell=lambda done, total: None)
+    found, silent = (make(stored("spheres"), SIZE, "box", each) for each in (plan, quiet))
+    assert told == [(0, 3), (1, 3), (2, 3)]
+    assert np.array_equal(found.pixels, silent.pixels)
+    assert found.provenance == silent.provenance
+    assert plan == quiet
+
+
 def test_a_sound_file_holds(folder: Path) -> None:
     of = stored("spheres")
     result = files.verify(folder, "spheres", of, SIZE, "box", CHECK)

@@ -151,3 +151,27 @@ def test_our_scenes_are_whole_and_their_digest_ignores_words(name: str) -> None:
     assert scene.digest() == scene.model_copy(update={"title": "other"}).digest()
     moved = scene.camera.model_copy(update={"eye": (0.0, 0.0, 4.5)})
     assert scene.digest() != scene.model_copy(update={"camera": moved}).digest()
+
+
+@pytest.mark.parametrize(
+    ("stated", "wrong", "line", "key"),
+    [
+        ("height = 2.0", 'height = "2.0"', 11, "camera.height"),
+        ("height = 2.0", "height = true", 11, "camera.height"),
+        ("eye = [0.0, 0.0, 4.0]", 'eye = [0.0, "0.0", 4.0]', 9, "camera.eye"),
+        ("height = 2.0", 'height = 2.0\nblades = "6"', 12, "camera.blades"),
+        ("emission = [1.0, 1.0, 1.0]", 'emission = [1.0, 1.0, "1.0"]', 14, "materials.paper.emission"),
+    ],
+)
+def test_a_string_is_no_number(tmp_path: Path, stated: str, wrong: str, line: int, key: str) -> None:
+    path = tmp_path / "a.toml"
+    assert WHOLE.count(stated) == 1
+    path.write_text(WHOLE.replace(stated, wrong))
+    with pytest.raises(InvalidInput, match=rf"a\.toml:{line}: {key}: "):
+        scene_io.load_file(path)
+
+
+def test_a_whole_number_is_a_number(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(WHOLE.replace("height = 2.0", "height = 2").replace("4.0]", "4]"))
+    assert scene_io.load_file(path).scene.camera.height == 2.0

@@ -13,7 +13,7 @@ from aliascope.cli.shared import Json, Seed, Size, app, print_json, size_of
 @app.command(epilog="Example: aliascope render edge -r embree -m uniform:n=64 -o edge.exr")
 def render(
     scene: Annotated[str, typer.Argument(help="Name of a scene, or the path of a TOML file.")],
-    renderer: Annotated[str, typer.Option("-r", help="embree, povray or osmesa.")],
+    renderer: Annotated[str, typer.Option("-r", help="Name; see aliascope list renderers.")],
     mode: Annotated[str, typer.Option("-m", help="Spec of a mode; see aliascope list modes.")],
     out: Annotated[Path, typer.Option("-o", metavar="OUT.exr")],
     seed: Seed = 0,
@@ -92,7 +92,7 @@ def error(
 
 @app.command(epilog="Example: aliascope reference edge --verify")
 def reference(
-    scenes: Annotated[list[str], typer.Argument(metavar="SCENE...")],
+    scenes: Annotated[list[str], typer.Argument(metavar="SCENE...", help="Names, patterns, TOML files.")],
     verify: Annotated[bool, typer.Option("--verify", help="Make them again and compare; change nothing.")] = False,
     size: Size = None,
     filter_: Annotated[str, typer.Option("--filter", metavar="SPEC", help="See aliascope list filters.")] = "box",
@@ -104,11 +104,13 @@ def reference(
 ) -> None:
     """Make the references of scenes, or check those that are there: exact if possible, else converged."""
     from aliascope import places
-    from aliascope.studies import single
+    from aliascope.studies import selection, single
+    from aliascope.studies.progress import progress_bar
 
     folder = out or places.REFERENCES
     work = single.verify_reference if verify else single.make_reference
-    results = [work(scene, folder, size_of(size), filter_, samples) for scene in scenes]
+    with progress_bar() as tell:
+        results = [work(scene, folder, size_of(size), filter_, samples, tell) for scene in selection.scenes_of(scenes)]
     if as_json:
         print_json({"references": results})
     else:

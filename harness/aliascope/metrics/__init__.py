@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from aliascope.errors import CheckFailed, InvalidInput, near_misses
+from aliascope.errors import InvalidInput, near_misses
 from aliascope.metrics.base import Measured, Metric
 from aliascope.metrics.differences import bias, largest, mae, p99, psnr, relative_mse, rmse
 from aliascope.metrics.local_structure import structure
@@ -47,7 +47,7 @@ def chosen(text: str | None) -> list[str]:
 def measure(image: Pixels, reference: Pixels, wanted: list[str] | None = None) -> dict[str, Measured]:
     """The metrics of a picture, by name.
 
-    image, reference: (height, width, channels). Raises InvalidInput where their sizes or channels differ, CheckFailed
+    image, reference: (height, width, channels). Raises InvalidInput where their sizes or channels differ, and
     where either has a NaN or an infinity: how many, and where the first is.
     """
     if image.shape != reference.shape:
@@ -59,12 +59,12 @@ def measure(image: Pixels, reference: Pixels, wanted: list[str] | None = None) -
 
 
 def check_finite(image: Pixels, what: str) -> None:
-    """Raises CheckFailed where a picture has values that are no numbers."""
+    """Raises InvalidInput where a picture has values that are no numbers."""
     broken = ~np.isfinite(image)
     if broken.any():
         y, x, channel = (int(i) for i in np.argwhere(broken)[0])
         nans = int(np.isnan(image).sum())
-        raise CheckFailed(
+        raise InvalidInput(
             f"{what} has {nans} NaN and {int(broken.sum()) - nans} infinite values, "
             f"the first at x={x}, y={y}, channel {channel}"
         )

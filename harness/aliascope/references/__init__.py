@@ -1,7 +1,7 @@
 """References: the pictures that renderings are judged by, made without a renderer where the scene allows it.
 
-Another method is one file with a `METHOD` and its line in METHODS. The first that can draw the scene makes it. Where
-none can, and for every filter but the box, a reference is converged: `converged`.
+Another method is one file with a `METHOD` and its line in METHODS. The first that has an answer for the scene makes it.
+Where none has, and for every filter but the box, a reference is converged: `converged`.
 """
 
 from __future__ import annotations
@@ -50,8 +50,17 @@ def _exact(scene: Scene, size: tuple[int, int], filter_: str) -> Reference:
     if not able:
         why = "; ".join(f'"{method.name}" {reason}' for method, reason in reasons)
         raise Unsupported(f"the scene has no exact reference: {why}")
-    method = able[0]
-    result = method.make(scene, frame_of(scene, size))
+    refusals: dict[str, None] = {}
+    for method in able:
+        try:
+            result = method.make(scene, frame_of(scene, size))
+            break
+        except Ambiguous:
+            raise
+        except Unsupported as refusal:
+            refusals[str(refusal)] = None
+    else:
+        raise Unsupported("; ".join(refusals))
     with np.errstate(over="ignore"):
         pixels = result.pixels.astype(np.float32)
     if not np.isfinite(pixels).all():

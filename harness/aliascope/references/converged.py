@@ -14,7 +14,7 @@ the pictures that it judges.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -49,6 +49,8 @@ class Plan:
     sampler: str = "sobol:scramble=shift"
     first_seed: int = 1 << 40
     threads: int = 1
+    tell: Callable[[int, int], None] = field(default=lambda done, total: None, compare=False, repr=False)
+    """Told how many of how many replicates are done."""
 
     def __post_init__(self) -> None:
         if self.replicates < 2:
@@ -90,7 +92,11 @@ def estimate(render: Render, plan: Plan) -> tuple[Estimate, Array]:
 
     Sums of squares are of differences from the mean. Raises Unsupported for values that are not finite.
     """
-    pictures = np.array([render(plan.first_seed + number) for number in range(plan.replicates)], dtype=np.float64)
+    rendered = []
+    for number in range(plan.replicates):
+        plan.tell(number, plan.replicates)
+        rendered.append(render(plan.first_seed + number))
+    pictures = np.array(rendered, dtype=np.float64)
     if not np.isfinite(pictures).all():
         raise Unsupported("the scene is brighter than float32 holds")
     mean = pictures.mean(axis=0)

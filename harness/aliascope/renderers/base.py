@@ -37,6 +37,9 @@ class Renderer(Protocol):
 
     `native` names its own modules of `aliascope.native`, each with a library libaliascope-NAME.so. With these, its
     files are `renderers/NAME*.py`: pictures are made again when one of them changes.
+    `probe_mode` is a mode that resolves a hundredth of a pixel, its pattern centred in the pixel; `single_mode` has one
+    sample, at the pixel's centre. Neither is random. They draw polygons seen orthographically at least: `doctor` looks
+    at those.
     """
 
     name: str
@@ -44,6 +47,8 @@ class Renderer(Protocol):
     modes: Mapping[str, Form]
     draws: frozenset[str]
     native: tuple[str, ...]
+    probe_mode: str
+    single_mode: str
 
     def versions(self) -> Mapping[str, str]:
         """The versions that a picture depends on. Raises NotAvailable where the renderer is not there."""

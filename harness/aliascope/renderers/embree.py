@@ -36,6 +36,8 @@ class Embree:
             *("point light", "directional light"),
         }
     )
+    probe_mode = "uniform:n=256,sampler=regular"
+    single_mode = "uniform:n=1,sampler=regular"
 
     def versions(self) -> Mapping[str, str]:
         return {"embree": tracer.embree_version()}

@@ -116,6 +116,8 @@ class OSMesa:
         {"orthographic", "perspective", "polygon", "mesh", "disc", "sphere", "plane", "zone-plate", "checker"}
         | {"point light", "directional light"}
     )
+    probe_mode = "accumulate:n=256,sampler=regular"
+    single_mode = "none"
 
     def versions(self) -> Mapping[str, str]:
         renderer, version = raster.describe()

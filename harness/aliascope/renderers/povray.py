@@ -91,6 +91,8 @@ class PovRay:
             *("point light", "directional light"),
         }
     )
+    probe_mode = "am1:depth=9,jitter=0,threshold=0"
+    single_mode = "none"
 
     def versions(self) -> Mapping[str, str]:
         """The version that the povray on the PATH states."""

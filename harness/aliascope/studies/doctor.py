@@ -15,13 +15,6 @@ from aliascope.model import Scene
 from aliascope.records import Pixels
 from aliascope.renderers.base import Renderer, Request
 
-PROBE_MODES: Mapping[str, str] = {
-    "embree": "uniform:n=256,sampler=regular",
-    "povray": "am1:depth=9,jitter=0,threshold=0",
-    "osmesa": "accumulate:n=256,sampler=regular",
-}
-"""A mode of each renderer that resolves a hundredth of a pixel, and whose pattern is centred in the pixel."""
-
 SIZE = 48
 CENTRE_TOLERANCE = 0.01
 RESPONSE_TOLERANCE = 1e-4
@@ -61,7 +54,7 @@ def _scene(polygons: list[tuple[list[tuple[float, float]], float]]) -> Scene:
 
 
 def _render(renderer: Renderer, scene: Scene) -> Pixels:
-    mode = renderers.mode_of(renderer, PROBE_MODES[renderer.name])
+    mode = renderers.mode_of(renderer, renderer.probe_mode)
     return renderer.render(Request(scene, SIZE, SIZE, mode)).pixels
 
 
@@ -110,7 +103,7 @@ def examine() -> dict[str, Any]:
             entry |= {"holds": False, "reason": str(error)}
         else:
             entry |= {
-                "mode": PROBE_MODES[renderer.name],
+                "mode": renderer.probe_mode,
                 "centre": list(probes.centre),
                 "gain": probes.gain,
                 "gamma": probes.gamma,

@@ -11,7 +11,7 @@ import OpenImageIO as oiio
 from numpy.typing import NDArray
 
 from aliascope.errors import InvalidInput, NotWritable
-from aliascope.image import read_image, write_exr
+from aliascope.image import opened, read_image, write_exr
 from aliascope.metrics import check_finite
 from aliascope.records import Pixels
 
@@ -62,15 +62,8 @@ class Opened:
 
 def describe(path: Path) -> Stored:
     """Reads what a file says of itself. Raises InvalidInput."""
-    if not path.is_file():
-        raise InvalidInput(f"{path}: there is no such file")
-    file = oiio.ImageInput.open(str(path))
-    if file is None:
-        raise InvalidInput(f"{path}: not a picture that can be read: {' '.join(oiio.geterror().split())}")
-    try:
+    with opened(path) as file:
         spec, kind = file.spec(), file.format_name()
-    finally:
-        file.close()
     return Stored(
         path=path,
         format=str(spec.format),
@@ -197,11 +190,11 @@ def write_map(path: Path, image: Opened, reference: Opened, scale: float | None 
 
     .exr: float32, of each channel. .png: the mean over channels from -scale (blue, too dark) over 0 (white) to scale
     (red, too bright), at whole-pixel zoom, with a legend; what lies beyond has the end's colour, and the legend says
-    how many pixels. `scale`: the largest of the picture if not given. Raises InvalidInput, CheckFailed, NotWritable.
+    how many pixels. `scale`: the largest of the picture if not given. Raises InvalidInput, NotWritable.
     """
     check_map(path, scale)
-    for opened, what in ((image, "the picture"), (reference, "the reference")):
-        check_finite(opened.pixels, what)
+    for each, what in ((image, "the picture"), (reference, "the reference")):
+        check_finite(each.pixels, what)
     error = image.pixels.astype(np.float64) - reference.pixels
     if path.suffix.lower() == ".exr":
         header = {

@@ -12,8 +12,8 @@ from aliascope.records import Job
 
 
 @contextmanager
-def progress_bar() -> Iterator[Callable[[Job | None, int, int], None]]:
-    """Yields the function to tell which job begins, and how many of how many are done. Silent where nobody watches."""
+def progress_bar() -> Iterator[Callable[[Job | str | None, int, int], None]]:
+    """Yields the function to tell what begins, and how many of how many are done. Silent where nobody watches."""
     console = Console(stderr=True)
     columns = (
         BarColumn(bar_width=24),
@@ -25,8 +25,8 @@ def progress_bar() -> Iterator[Callable[[Job | None, int, int], None]]:
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("", total=None)
 
-        def tell(job: Job | None, done: int, total: int) -> None:
-            text = f"{job.scene}  {job.renderer}  {job.mode}" if job else ""
+        def tell(what: Job | str | None, done: int, total: int) -> None:
+            text = f"{what.scene}  {what.renderer}  {what.mode}" if isinstance(what, Job) else what or ""
             bar.update(task, completed=done, total=total, description=text)
 
         yield tell

@@ -28,14 +28,15 @@ def plan_of(
     wanted = {name: list(own.get(name, ())) for name in names}
     if modes:
         wanted = _modes(wanted, modes)
-    files = [scene_io.load(name) for name in _scenes(scenes)]
+    files = [scene_io.load(name) for name in scenes_of(scenes)]
     twice = {file.name for file in files if sum(other.name == file.name for other in files) > 1}
     if twice:
         raise InvalidInput(f"two scenes are named {', '.join(sorted(twice))}: rename one of the files")
     return pipeline.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
 
 
-def _scenes(patterns: Sequence[str]) -> list[str]:
+def scenes_of(patterns: Sequence[str]) -> list[str]:
+    """The scenes that patterns name, and paths as they are; all of ours for nothing. Raises InvalidInput."""
     paths = [pattern for pattern in patterns if "/" in pattern or pattern.endswith(".toml")]
     named = [pattern for pattern in patterns if pattern not in paths]
     own = plan.matching(named, scene_io.names(), "scene") if named else [] if paths else scene_io.names()

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from aliascope import api, image, metrics, pipeline, plan, references, renderers, scene_io
+from aliascope.errors import InvalidInput, NotWritable
 from aliascope.native import filters
 from aliascope.references import files
 from aliascope.renderers.base import LEAST_SECONDS, Request
@@ -24,6 +26,7 @@ def render_file(
     time_limit: float = Request.time_limit,
 ) -> dict[str, Any]:
     """Renders to a file, and gives the figures of `aliascope render --json`."""
+    _check_out(out)
     file = scene_io.load(scene)
     found = renderers.find(renderer)
     spec = renderers.mode_of(found, mode)
@@ -73,17 +76,42 @@ def render_file(
     }
 
 
+def _check_out(out: Path) -> None:
+    """Before a minute of rendering is spent. Raises InvalidInput, NotWritable."""
+    if out.suffix.lower() != ".exr":
+        raise InvalidInput(f'{out}: a picture is written as .exr, not "{out.suffix}"')
+    if not out.parent.is_dir():
+        raise NotWritable(f"{out}: cannot be written: there is no folder {out.parent}")
+
+
+Tell = Callable[[str, int, int], None]
+"""What is being made, and how many of how many pictures of it are done."""
+
+
+def _nobody(what: str, done: int, total: int) -> None:
+    """Tells nobody."""
+
+
 def _processors() -> int:
     return len(os.sched_getaffinity(0))
 
 
 def make_reference(
-    scene: str, folder: Path, size: tuple[int, int] | None, filter_: str = "box", samples: int | None = None
+    scene: str,
+    folder: Path,
+    size: tuple[int, int] | None,
+    filter_: str = "box",
+    samples: int | None = None,
+    tell: Tell = _nobody,
 ) -> dict[str, Any]:
     """Makes and writes one reference: exact where the scene and the filter allow it, else converged."""
     file = scene_io.load(scene)
     wanted, filter_ = size or file.scene.view.size, filters.canonical(filter_)
-    converged = references.Plan(samples=samples or references.Plan.samples, threads=_processors())
+    converged = references.Plan(
+        samples=samples or references.Plan.samples,
+        threads=_processors(),
+        tell=lambda done, total: tell(f"{file.name}  {filter_}", done, total),
+    )
     made = references.make(file.scene, wanted, filter_, converged)
     path = files.save(folder, file.name, file.scene, wanted, filter_, made)
     return {
@@ -99,12 +127,22 @@ def make_reference(
 
 
 def verify_reference(
-    scene: str, folder: Path, size: tuple[int, int] | None, filter_: str = "box", samples: int | None = None
+    scene: str,
+    folder: Path,
+    size: tuple[int, int] | None,
+    filter_: str = "box",
+    samples: int | None = None,
+    tell: Tell = _nobody,
 ) -> dict[str, Any]:
     """Makes one reference again and compares it with the file; `samples`: of each replicate, for a converged one."""
     file = scene_io.load(scene)
     wanted, filter_ = size or file.scene.view.size, filters.canonical(filter_)
-    check = dataclasses.replace(files.CHECK, samples=samples or files.CHECK.samples, threads=_processors())
+    check = dataclasses.replace(
+        files.CHECK,
+        samples=samples or files.CHECK.samples,
+        threads=_processors(),
+        tell=lambda done, total: tell(f"{file.name}  {filter_}", done, total),
+    )
     found = files.verify(folder, file.name, file.scene, wanted, filter_, check)
     verdict = "holds" if found.holds else f"DOES NOT HOLD: {found.reason}"
     return {
