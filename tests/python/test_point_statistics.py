@@ -133,6 +133,8 @@ def test_points_in_line_and_at_the_same_place() -> None:
     assert point_sets.voronoi_areas(diagonal) == pytest.approx([cell_area(diagonal, i) for i in range(60)], abs=1e-10)
     shared = point_sets.voronoi_areas([[0.1, 0.1], [0.6, 0.1], [0.1, 0.1], [0.1, 0.1]])
     assert shared == pytest.approx([1 / 6, 1 / 2, 1 / 6, 1 / 6], rel=1e-12)
+    nearly = point_sets.voronoi_areas([[0.0, 0.0], [1e-45, 1e-45], [1.0 - 2.0**-53, 0.0], [0.0, 0.86]])
+    assert nearly == pytest.approx([1 / 6, 1 / 6, 1 / 6, 1 / 2], rel=1e-12)
 
 
 @settings(max_examples=200, deadline=None, derandomize=True)

@@ -14,6 +14,10 @@ from aliascope.point_sets.arrays import Points, checked
 MOST_UNEVEN = 10_000
 """The most points whose cells are found where they reach across the square: half a minute at worst, on a diagonal."""
 
+SAME = 2.0**44
+"""Points that are one when rounded to 1 / SAME, around the torus too, are at the same place: Qhull takes some of them
+for one and some not."""
+
 
 def voronoi_areas(points: Any) -> NDArray[np.float64]:
     """The areas of the Voronoi cells of (n, 2) points on the unit torus: (n,) float64, which sum to 1.
@@ -26,9 +30,9 @@ def voronoi_areas(points: Any) -> NDArray[np.float64]:
     values = checked(points)
     if values.shape[1] != 2:
         raise Unsupported(f"Voronoi areas are those of two dimensions, not {values.shape[1]}")
-    sites, place, shared = np.unique(values, axis=0, return_inverse=True, return_counts=True)
-    place = place.reshape(-1)
-    return (_cells(sites) / shared)[place]
+    cells = np.round(values * SAME) % SAME
+    _, first, place, shared = np.unique(cells, axis=0, return_index=True, return_inverse=True, return_counts=True)
+    return (_cells(values[first]) / shared)[place.reshape(-1)]
 
 
 def _cells(sites: Points) -> NDArray[np.float64]:
