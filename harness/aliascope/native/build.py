@@ -18,7 +18,7 @@ SOURCE = HERE.parents[2] / "csrc"
 INCLUDE = [SOURCE / "include", SOURCE / "tracer", SOURCE / "raster"]
 
 MODULES = {
-    "_sampler": ("aliascope", ["aliascope/plugin.h", "aliascope/filter.h"]),
+    "_sampler": ("aliascope", ["aliascope/plugin.h", "aliascope/filter.h", "aliascope/discrepancy.h"]),
     "_tracer": ("aliascope-tracer", ["tracer.h"]),
     "_raster": ("aliascope-raster", ["raster.h"]),
 }
