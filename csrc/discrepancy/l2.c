@@ -50,14 +50,15 @@ static long double one(kernel of, double x) {
   return constant(of);
 }
 
-static inline double two(kernel of, double x, double y) {
+/* x_off and y_off are |x - 1/2| and |y - 1/2|. */
+static inline double two(kernel of, double x, double y, double x_off, double y_off) {
   const double apart = fabs(x - y);
   switch (of) {
   case STAR: return 1.0 - larger(x, y);
   case EXTREME: return smaller(x, y) * (1.0 - larger(x, y));
-  case CENTERED: return 1.0 + (fabs(x - 0.5) + fabs(y - 0.5) - apart) / 2.0;
+  case CENTERED: return 1.0 + 0.5 * (x_off + y_off - apart);
   case WRAP: return 1.5 - apart * (1.0 - apart);
-  case MIXTURE: return 1.875 - (fabs(x - 0.5) + fabs(y - 0.5)) / 4.0 - 0.75 * apart + 0.5 * apart * apart;
+  case MIXTURE: return 1.875 - 0.25 * (x_off + y_off) - apart * (0.75 - 0.5 * apart);
   case PERIODIC: return 0.5 - apart * (1.0 - apart);
   }
   return 0.0;
@@ -66,19 +67,20 @@ static inline double two(kernel of, double x, double y) {
 /* products[j] *= two(x, y[j]), for one kernel that is known when this is compiled. */
 #define FACTORS(of)                                                                                                    \
   case of:                                                                                                             \
-    for (size_t j = 0; j < RUN; j++) products[j] *= two(of, x, y[j]);                                                  \
+    for (size_t j = 0; j < RUN; j++) products[j] *= two(of, x, y[j], x_off, y_off[j]);                                 \
     break;
 
 /* The sum over j in [0, count) of prod_k two(x_k, y_kj); both have a row of `stride` values a dimension, RUN of which
  * can be read. Eight partial sums, so that it can be vectorised with the same bits everywhere. */
 ASC_VECTORISE
 static double sum_run(kernel of, uint32_t dimensions, const double *point, const double *rows, size_t stride,
-                      size_t count) {
+                      size_t offset, size_t count) {
   enum { PARTS = 8 };
   double products[RUN], parts[PARTS] = {0.0};
   for (size_t j = 0; j < RUN; j++) products[j] = j < count ? 1.0 : 0.0;
   for (uint32_t d = 0; d < dimensions; d++) {
-    const double x = point[d * stride], *y = rows + d * stride;
+    const double *y = rows + d * stride, *y_off = y + offset;
+    const double x = point[d * stride], x_off = point[d * stride + offset];
     switch (of) {
       FACTORS(STAR)
       FACTORS(EXTREME)
@@ -99,24 +101,28 @@ static asc_status l2(kernel of, const asc_point_set *set, asc_measurement *made,
   const size_t n = set->count;
   const uint32_t dimensions = set->dimensions;
   /* Dimension by dimension, with room to read a whole run from any place. */
-  const size_t stride = n + RUN;
-  if (n > SIZE_MAX / 2 / sizeof(double) / dimensions - RUN) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
-  double *rows = calloc(stride * dimensions, sizeof *rows);
+  const size_t stride = n + RUN, offset = stride * dimensions;
+  if (n > SIZE_MAX / 4 / sizeof(double) / dimensions - RUN) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
+  double *rows = calloc(2 * offset, sizeof *rows);
   if (!rows) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
   for (size_t i = 0; i < n; i++)
-    for (uint32_t d = 0; d < dimensions; d++) rows[d * stride + i] = set->points[i * dimensions + d];
+    for (uint32_t d = 0; d < dimensions; d++) {
+      rows[d * stride + i] = set->points[i * dimensions + d];
+      rows[d * stride + i + offset] = fabs(rows[d * stride + i] - 0.5);
+    }
   long double singles = 0.0L, pairs = 0.0L;
   for (size_t i = 0; i < n; i++) {
     long double single = 1.0L;
     double itself = 1.0;
     for (uint32_t d = 0; d < dimensions; d++) {
-      single *= one(of, rows[d * stride + i]);
-      itself *= two(of, rows[d * stride + i], rows[d * stride + i]);
+      const double x = rows[d * stride + i], x_off = rows[d * stride + i + offset];
+      single *= one(of, x);
+      itself *= two(of, x, x, x_off, x_off);
     }
     singles += single;
     long double later = 0.0L;
     for (size_t j = i + 1; j < n; j += RUN)
-      later += sum_run(of, dimensions, rows + i, rows + j, stride, n - j < RUN ? n - j : RUN);
+      later += sum_run(of, dimensions, rows + i, rows + j, stride, offset, n - j < RUN ? n - j : RUN);
     pairs += 2.0L * later + itself;
   }
   free(rows);

@@ -13,6 +13,7 @@
   X(l2_wrap) \
   X(l2_mixture) \
   X(l2_periodic) \
+  X(edge_rms) \
   /* end of the list */
 /* clang-format on */
 
