@@ -14,6 +14,7 @@
   X(l2_mixture) \
   X(l2_periodic) \
   X(edge_rms) \
+  X(star) \
   /* end of the list */
 /* clang-format on */
 
