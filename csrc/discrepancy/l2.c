@@ -8,8 +8,9 @@
  *   l2-mixture   Zhou, Fang and Ning 2013, "Mixture discrepancy for quasi-random point sets", eq. 18
  *   l2-periodic  boxes that wrap round: Lev 1995; Hinrichs, Kritzinger and Pillichshammer 2020, prop. 2
  *
- * The terms cancel: at N points of a good set the square is about (log N)^(d-1) / N^2 of terms near 1. They are summed
- * in double over RUN products at a time, whose order does not depend on the machine, and from there in long double. */
+ * The terms cancel: at N points of a good set the square is about (log N)^(d-1) / N^2 of terms near 1. So a number near
+ * constant^d, the mean of the products, is taken off each; what is left is summed in double over RUN products at a
+ * time, whose order does not depend on the machine, and from there in long double. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -70,14 +71,14 @@ static inline double two(kernel of, double x, double y, double x_off, double y_o
     for (size_t j = 0; j < RUN; j++) products[j] *= two(of, x, y[j], x_off, y_off[j]);                                 \
     break;
 
-/* The sum over j in [0, count) of prod_k two(x_k, y_kj); both have a row of `stride` values a dimension, RUN of which
- * can be read. Eight partial sums, so that it can be vectorised with the same bits everywhere. */
+/* The sum over j in [0, count) of prod_k two(x_k, y_kj) - middle; both have a row of `stride` values a dimension, RUN
+ * of which can be read. Eight partial sums, so that it can be vectorised with the same bits everywhere. */
 ASC_VECTORISE
 static double sum_run(kernel of, uint32_t dimensions, const double *point, const double *rows, size_t stride,
-                      size_t offset, size_t count) {
+                      size_t offset, size_t count, double middle) {
   enum { PARTS = 8 };
   double products[RUN], parts[PARTS] = {0.0};
-  for (size_t j = 0; j < RUN; j++) products[j] = j < count ? 1.0 : 0.0;
+  for (size_t j = 0; j < RUN; j++) products[j] = 1.0;
   for (uint32_t d = 0; d < dimensions; d++) {
     const double *y = rows + d * stride, *y_off = y + offset;
     const double x = point[d * stride], x_off = point[d * stride + offset];
@@ -90,8 +91,9 @@ static double sum_run(kernel of, uint32_t dimensions, const double *point, const
       FACTORS(PERIODIC)
     }
   }
+  for (size_t j = count; j < RUN; j++) products[j] = middle;
   for (size_t j = 0; j < RUN; j += PARTS)
-    for (size_t p = 0; p < PARTS; p++) parts[p] += products[j + p];
+    for (size_t p = 0; p < PARTS; p++) parts[p] += products[j + p] - middle;
   double sum = 0.0;
   for (size_t p = 0; p < PARTS; p++) sum += parts[p];
   return sum;
@@ -110,6 +112,9 @@ static asc_status l2(kernel of, const asc_point_set *set, asc_measurement *made,
       rows[d * stride + i] = set->points[i * dimensions + d];
       rows[d * stride + i + offset] = fabs(rows[d * stride + i] - 0.5);
     }
+  const long double whole = powl(constant(of), dimensions);
+  const double middle =
+      (double)(rintl(whole * 256.0L) / 256.0L); /* of few digits, so that it adds none to dyadic ones */
   long double singles = 0.0L, pairs = 0.0L;
   for (size_t i = 0; i < n; i++) {
     long double single = 1.0L;
@@ -119,15 +124,15 @@ static asc_status l2(kernel of, const asc_point_set *set, asc_measurement *made,
       single *= one(of, x);
       itself *= two(of, x, x, x_off, x_off);
     }
-    singles += single;
+    singles += single - whole;
     long double later = 0.0L;
     for (size_t j = i + 1; j < n; j += RUN)
-      later += sum_run(of, dimensions, rows + i, rows + j, stride, offset, n - j < RUN ? n - j : RUN);
-    pairs += 2.0L * later + itself;
+      later += sum_run(of, dimensions, rows + i, rows + j, stride, offset, n - j < RUN ? n - j : RUN, middle);
+    pairs += 2.0L * later + (itself - middle);
   }
   free(rows);
   const long double points = (long double)n;
-  const long double square = powl(constant(of), dimensions) - 2.0L * singles / points + pairs / points / points;
+  const long double square = (middle - whole) - 2.0L * singles / points + pairs / points / points;
   asc_measured(made, (double)sqrtl(square > 0.0L ? square : 0.0L));
   return ASC_OK;
 }
