@@ -1,7 +1,7 @@
-/* The root mean square discrepancy of random edges, exact.
+/* The root mean square discrepancy of random edges: exact for isotropic ones, drawn for the others.
  *
- * An edge is a line from the measure that is invariant under motions, restricted to lines that meet the unit square;
- * its discrepancy is mu(A) = n(A)/N - area(A), A what lies on one side of it. mu has mass 0 on the square, so
+ * An isotropic edge is a line from the measure that is invariant under motions, restricted to lines that meet the unit
+ * square; its discrepancy is mu(A) = n(A)/N - area(A), A what lies on one side of it. mu has mass 0 on the square, so
  * mu(A)^2 = -mu(A) mu(A') for A' the other side. The double integral of [the edge separates x and y] dmu dmu is
  * 2 mu(A) mu(A'). Lines that separate x and y have the measure 2 |x - y|, those that meet the square that of its
  * perimeter, 4 (Crofton; Santalo 1976, "Integral geometry and geometric probability", I.3). So
@@ -14,6 +14,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "edges.h"
 #include "measure.h"
 #include "vectorise.h"
 
@@ -43,9 +44,7 @@ static double sum_distances(double x, double y, const double *xs, const double *
   return sum;
 }
 
-static asc_status edge_rms_evaluate(const asc_point_set *set, const double *values, asc_measurement *made,
-                                    asc_error *error) {
-  (void)values;
+static asc_status evaluate_exactly(const asc_point_set *set, asc_measurement *made, asc_error *error) {
   const size_t n = set->count;
   if (n > SIZE_MAX / 4 / sizeof(double) - RUN) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
   double *xs = calloc(2 * (n + RUN), sizeof *xs);
@@ -66,10 +65,40 @@ static asc_status edge_rms_evaluate(const asc_point_set *set, const double *valu
   return ASC_OK;
 }
 
+/* The root of a mean square; its standard error by the delta method, that of the square over twice the root. */
+static asc_status evaluate_by_draws(const asc_point_set *set, asc_edges edges, uint64_t draws, asc_measurement *made,
+                                    asc_error *error) {
+  asc_edge_statistics statistics = {0};
+  const asc_status status = asc_edges_measure(set, edges, draws, &statistics, error);
+  if (status) return status;
+  const double root = sqrt(statistics.square);
+  asc_measured(made, root);
+  made->standard_error = root > 0.0 ? statistics.square_error / (2.0 * root) : 0.0;
+  made->certainty = ASC_ESTIMATED;
+  return ASC_OK;
+}
+
+static asc_status edge_rms_evaluate(const asc_point_set *set, const double *values, asc_measurement *made,
+                                    asc_error *error) {
+  const asc_edges edges = (asc_edges)values[0];
+  const uint64_t draws = (uint64_t)values[1];
+  if (draws == 1) return asc_fail(error, ASC_INVALID_VALUE, "edge-rms: draws=1 has no standard error: draw 2 or more");
+  if (draws == 0 && edges == ASC_EDGES_ISOTROPIC) return evaluate_exactly(set, made, error);
+  return evaluate_by_draws(set, edges, draws ? draws : ASC_USUAL_DRAWS, made, error);
+}
+
+static const asc_parameter parameters[] = {
+    ASC_EDGES_PARAMETER,
+    {"draws", ASC_INTEGER, NULL, 0, ASC_MOST_DRAWS, 0,
+     "how many edges are drawn; 0: isotropic ones not at all, but exact, others 524,288"},
+};
+
 const asc_measure_interface asc_measure_edge_rms = {
     .name = "edge-rms",
-    .title = "root mean square of n/N - area over random edges, exact",
+    .title = "root mean square of n/N - area over random edges, exact where they are isotropic",
     .source = "Mitchell 1992; Crofton's formula",
+    .parameters = parameters,
+    .parameter_count = sizeof parameters / sizeof *parameters,
     .least_dimensions = 2,
     .most_dimensions = 2,
     .quick_points = 30000,

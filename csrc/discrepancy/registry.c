@@ -14,6 +14,8 @@
   X(l2_mixture) \
   X(l2_periodic) \
   X(edge_rms) \
+  X(edge_mean) \
+  X(edge_max) \
   X(star) \
   /* end of the list */
 /* clang-format on */
