@@ -15,6 +15,8 @@
   X(l2_periodic) \
   X(edge_rms) \
   X(star) \
+  X(box) \
+  X(half_plane) \
   /* end of the list */
 /* clang-format on */
 
