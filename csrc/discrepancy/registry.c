@@ -17,6 +17,8 @@
   X(edge_mean) \
   X(edge_max) \
   X(star) \
+  X(box) \
+  X(half_plane) \
   /* end of the list */
 /* clang-format on */
 

@@ -1,4 +1,5 @@
-/* Milliseconds of each registered measure, beside what is aimed at, and how star grows with the number of points. */
+/* Milliseconds of each registered measure, of random points and of well-spread ones, which leave less to prune, beside
+ * what is aimed at; and how star grows with the number of points. */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdint.h>
@@ -22,7 +23,16 @@ static double now(void) {
 
 static double points[MOST_POINTS * 2];
 
+#define WELL_SPREAD "(i/N, i golden)" /* an additive recurrence */
+
 static int make_points(const char *sampler_spec, size_t count) {
+  if (strcmp(sampler_spec, WELL_SPREAD) == 0) {
+    for (size_t i = 0; i < count; i++) {
+      points[2 * i] = ((double)i + 0.5) / (double)count;
+      points[2 * i + 1] = fmod((double)i * 0.6180339887498949, 1.0);
+    }
+    return 1;
+  }
   const asc_sampler_desc desc = {sizeof desc, sampler_spec, count, 2, 1};
   const asc_range range = {0, 0, 0, count, 0, 2};
   asc_sampler *sampler = NULL;
@@ -71,9 +81,11 @@ static aim aim_of(const char *name) {
 static void show(const char *name) {
   const aim of = aim_of(name);
   if (!make_points("random", of.count)) return;
-  const double took = measure(name, of.count);
-  if (took < 0.0) return;
-  printf("  %-14s %8zu %10.2f", name, of.count, took);
+  const double random = measure(name, of.count);
+  if (!make_points(WELL_SPREAD, of.count)) return;
+  const double spread = measure(name, of.count);
+  if (random < 0.0 || spread < 0.0) return;
+  printf("  %-14s %8zu %10.2f %12.2f", name, of.count, random, spread);
   if (of.target_ms > 0.0) printf(" %10.0f", of.target_ms);
   printf("\n");
 }
@@ -93,14 +105,14 @@ static void show_growth(const char *name, const char *sampler_spec) {
 }
 
 int main(void) {
-  printf("milliseconds a measure, two dimensions, random points, one thread\n");
-  printf("  %-14s %8s %10s %10s\n", "measure", "N", "ms", "to reach");
+  printf("milliseconds a measure, two dimensions, one thread\n");
+  printf("  %-14s %8s %10s %12s %10s\n", "measure", "N", "random", "well spread", "to reach");
   for (size_t i = 0; i < asc_measure_count(); i++) {
     asc_measure_info info;
     if (asc_measure_describe(i, &info) == ASC_OK && info.least_dimensions <= 2 && info.most_dimensions >= 2)
       show(info.name);
   }
   show_growth("star", "random");
-  show_growth("star", "sobol");
+  show_growth("star", WELL_SPREAD);
   return 0;
 }

@@ -310,6 +310,13 @@ def test_edge_max_is_met_at_its_edge(kind: str) -> None:
         assert (found.certainty, found.lower, found.upper, found.closed) == ("bounds", found.value, 1.0, True)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_edge_max_is_below_half_planes(kind: str) -> None:
+    for points in small_sets(60, 2, 12, seed=9):
+        most, bound = measure(f"edge-max:draws=2000,edges={kind}", points).value, measure("half-plane", points).value
+        assert 0.3 * bound < most <= bound + 1e-15  # draws come near, but not to the sharpest of corners
+
+
 def test_the_first_edges_do_not_depend_on_how_many_follow() -> None:
     points = hammersley(20)
     most = [measure(f"edge-max:draws={draws}", points, seed=5).value for draws in (1, 2, 15, 16, 17, 100, 5000)]
