@@ -24,7 +24,8 @@ enum asc_purpose {
   ASC_PURPOSE_PERMUTATION = 3,
   ASC_PURPOSE_ROTATION = 4,
   ASC_PURPOSE_SCRAMBLE = 5,
-  ASC_PURPOSE_STREAM_OF_BITS = 6
+  ASC_PURPOSE_STREAM_OF_BITS = 6,
+  ASC_PURPOSE_EDGE = 7 /* of the measures of random edges */
 };
 
 typedef struct asc_key {

@@ -169,3 +169,5 @@ class ReportData:
     """Of all metrics that the rows have."""
     skipped: Mapping[str, str] = field(default_factory=dict)
     """Renderers that are not there, and why."""
+    undrawn: tuple[EmptyCell, ...] = ()
+    """The cells of scenes that nothing drew, so that they have no section."""

@@ -18,7 +18,10 @@ SOURCE = HERE.parents[2] / "csrc"
 INCLUDE = [SOURCE / "include", SOURCE / "tracer", SOURCE / "raster"]
 
 MODULES = {
-    "_sampler": ("aliascope", ["aliascope/plugin.h", "aliascope/filter.h", "aliascope/warp.h"]),
+    "_sampler": (
+        "aliascope",
+        ["aliascope/plugin.h", "aliascope/filter.h", "aliascope/discrepancy.h", "aliascope/warp.h"],
+    ),
     "_tracer": ("aliascope-tracer", ["tracer.h"]),
     "_raster": ("aliascope-raster", ["raster.h"]),
 }

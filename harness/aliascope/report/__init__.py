@@ -184,8 +184,7 @@ def _quanta(data: ReportData) -> list[tuple[str, list[float]]]:
 def _undrawn(data: ReportData) -> list[tuple[str, str, list[tuple[str, int]]]]:
     """(renderer, reason, [(scene, number of modes)]) of the empty cells."""
     found: dict[tuple[str, str], dict[str, int]] = {}
-    for scene in data.scenes:
-        for cell in scene.empty:
-            scenes = found.setdefault((cell.renderer, cell.reason), {})
-            scenes[scene.name] = scenes.get(scene.name, 0) + 1
+    for cell in (*(cell for scene in data.scenes for cell in scene.empty), *data.undrawn):
+        scenes = found.setdefault((cell.renderer, cell.reason), {})
+        scenes[cell.scene] = scenes.get(cell.scene, 0) + 1
     return [(renderer, reason, list(scenes.items())) for (renderer, reason), scenes in found.items()]

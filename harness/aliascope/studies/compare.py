@@ -84,6 +84,7 @@ def compare(
         versions={"aliascope": f"{places.own_version()} ({places.revision()})", **versions},
         metrics=metrics.ABOUT,
         skipped=plan.skipped,
+        undrawn=tuple(cell for cell in plan.empty if cell.scene not in {job.scene for job in plan.jobs}),
     )
     return Comparison(write_report(folder, data), data, len(outcomes) - reused, outcomes)
 
@@ -98,12 +99,10 @@ def _side_by_side(outcomes: Iterable[Outcome]) -> str:
 
 
 def check_drawn(plan: Plan) -> None:
-    """Raises Unsupported for a scene that nothing draws."""
-    drawn = {job.scene for job in plan.jobs}
-    for name in plan.files:
-        reasons = {cell.reason for cell in plan.empty if cell.scene == name}
-        if name not in drawn and reasons:
-            raise Unsupported(f"{name}: no mode draws it: {'; '.join(sorted(reasons))}")
+    """Raises Unsupported where nothing draws any of the scenes."""
+    if plan.empty and not plan.jobs:
+        cell = plan.empty[0]
+        raise Unsupported(f"{cell.scene}: no mode draws it: {cell.reason}")
 
 
 def _check_writable(folder: Path) -> None:
