@@ -15,6 +15,10 @@
   X(l2_periodic) \
   X(edge_rms) \
   X(star) \
+  X(star_bounds) \
+  X(dispersion) \
+  X(min_distance) \
+  X(t_value) \
   /* end of the list */
 /* clang-format on */
 
