@@ -19,6 +19,10 @@
   X(star) \
   X(box) \
   X(half_plane) \
+  X(star_bounds) \
+  X(dispersion) \
+  X(min_distance) \
+  X(t_value) \
   /* end of the list */
 /* clang-format on */
 

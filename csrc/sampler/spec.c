@@ -161,7 +161,11 @@ static void write_number(double value, char *text, size_t capacity) {
 }
 
 static void write_value(const asc_parameter *parameter, double value, char *text, size_t capacity) {
-  if (parameter->kind != ASC_CHOICE) {
+  if (parameter->kind == ASC_INTEGER) {
+    (void)snprintf(text, capacity, "%.0f", value);
+    return;
+  }
+  if (parameter->kind == ASC_REAL) {
     write_number(value, text, capacity);
     return;
   }

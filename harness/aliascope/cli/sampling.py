@@ -76,3 +76,47 @@ def _pixel(text: str) -> tuple[int, int]:
     if not all(-(2**31) <= value < 2**31 for value in (x, y)):
         raise InvalidInput(f"--pixel {text}: coordinates have 32 bits")
     return x, y
+
+
+@app.command(epilog="Example: aliascope discrepancy sobol:scramble=owen -n 256 --measure star,half-plane")
+def discrepancy(
+    source: Annotated[
+        str, typer.Argument(metavar="SAMPLER|FILE", help="Spec; see aliascope list samplers. Or a .csv or .npy file.")
+    ],
+    n: Annotated[int | None, typer.Option("-n", min=1, max=2**53, help="How many points.")] = None,
+    d: Annotated[int | None, typer.Option("-d", min=1, max=65536, help="Dimensions of the pattern, 2.")] = None,
+    seed: Seed = 0,
+    measure: Annotated[
+        list[str] | None,
+        typer.Option(metavar="M,M", help="See aliascope list measures; those that are quick if none is named."),
+    ] = None,
+    projections: Annotated[
+        bool, typer.Option("--projections", help="Of every two-dimensional projection, instead.")
+    ] = False,
+    out: Annotated[Path | None, typer.Option("-o", metavar="FILE", help="A .svg or .png: n(x, y)/N - xy.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Measure the discrepancy of points: how far counts in boxes, half-planes, ... are from areas."""
+    from aliascope.studies import discrepancy as study
+    from aliascope.studies.delta import draw
+    from aliascope.studies.point_source import open_source
+
+    points_of = open_source(source, n, d, seed, (0, 0), 0)
+    points, specs = points_of.realisation(0), study.asked(measure or [])
+    document = points_of.document
+    if projections:
+        found = study.projections(points, specs, seed)
+        rows = [{"dimensions": [a, b], **study.document(measured)} for a, b, measured in found]
+        document |= {"projections": rows}
+        lines = [f"{a}, {b}  {line}" for a, b, measured in found for line in study.lines(measured)]
+    else:
+        measured = study.measure_all(points, specs, seed)
+        document |= study.document(measured)
+        lines = study.lines(measured)
+    if out is not None:
+        draw(out, points, points_of.name)
+    if as_json:
+        print_json(document)
+    else:
+        for line in lines:
+            typer.echo(line)

@@ -7,7 +7,7 @@ from typing import Any
 
 from aliascope import metrics, scene_io
 from aliascope.errors import NotAvailable
-from aliascope.native import filters, samplers
+from aliascope.native import discrepancy, filters, samplers
 from aliascope.renderers import RENDERERS
 from aliascope.specs import Key
 
@@ -53,6 +53,13 @@ def _samplers() -> Entries:
     ]
 
 
+def _measures() -> Entries:
+    return [
+        {"name": info.name, "title": info.title, "source": info.source, "keys": list(info.parameters)}
+        for info in discrepancy.registered()
+    ]
+
+
 def _metrics() -> Entries:
     return [
         {"name": name, "text": (metric.__doc__ or "").strip().splitlines()[0]}
@@ -72,6 +79,7 @@ LISTS: Mapping[str, Callable[[], Entries]] = {
     "renderers": _renderers,
     "modes": _modes,
     "samplers": _samplers,
+    "measures": _measures,
     "filters": _filters,
     "metrics": _metrics,
 }

@@ -1,0 +1,101 @@
+"""`aliascope discrepancy`: measures of a sampler's points or a file's."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aliascope.errors import InvalidInput, Unsupported
+from aliascope.native import discrepancy
+from aliascope.native.discrepancy import Measured
+
+Array = NDArray[np.float64]
+
+
+def asked(texts: Iterable[str]) -> list[str]:
+    """The measures of `--measure M,M...`, in canonical form. A comma parts measures unless a key=value of the same
+    measure follows it: "star,edge-mean:edges=chord,draws=1000". Raises SpecError."""
+    found: list[str] = []
+    for text in texts:
+        open_spec = False
+        for part in text.split(","):
+            head = part.split(":")[0]
+            if open_spec and "=" in head:
+                found[-1] += "," + part
+            else:
+                found.append(part)
+                open_spec = ":" in part
+    return list(dict.fromkeys(discrepancy.canonical(spec) for spec in found))
+
+
+def quick(n: int, d: int) -> list[str]:
+    """The measures that there are for n points in d dimensions within about a second each."""
+    return [
+        info.name
+        for info in discrepancy.registered()
+        if info.least_dimensions <= d <= info.most_dimensions and n <= info.quick_points
+    ]
+
+
+def measure_all(points: Array, specs: Sequence[str], seed: int) -> list[Measured]:
+    """These measures of points (n, d), or the quick ones where none is named."""
+    wanted = specs or quick(*points.shape)
+    if not wanted:
+        raise Unsupported(f"no measure is quick for {len(points)} points; choose with --measure")
+    return [discrepancy.measure(spec, points, seed) for spec in wanted]
+
+
+def document(measured: Sequence[Measured]) -> dict[str, Any]:
+    """The part "measures" and "details" of what --json prints."""
+    return {
+        "measures": {one.spec: one.value for one in measured},
+        "details": {one.spec: _details(one) for one in measured},
+    }
+
+
+def _details(one: Measured) -> dict[str, Any]:
+    details: dict[str, Any] = {"certainty": one.certainty}
+    if one.certainty == "bounds":
+        details |= {"lower": _finite(one.lower), "upper": _finite(one.upper)}
+    if one.certainty == "estimated":
+        details["standard_error"] = _finite(one.standard_error)
+    if one.witness:
+        details |= {"witness": list(one.witness), "border": "closed" if one.closed else "open"}
+    return details
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def lines(measured: Sequence[Measured]) -> list[str]:
+    """A line a measure: its name, its value, how certain that is, where an extreme is met."""
+    width = max(len(one.spec) for one in measured)
+    return [f"{one.spec:{width}}  {one.value:.10g}{_qualified(one)}" for one in measured]
+
+
+def _qualified(one: Measured) -> str:
+    text = ""
+    if one.certainty == "bounds":
+        text += f"  in [{one.lower:.6g}, {one.upper:.6g}]"
+    if one.certainty == "estimated":
+        text += f"  +- {one.standard_error:.2g}"
+    if one.witness:
+        text += f"  at {', '.join(f'{x:.6g}' for x in one.witness)}, {'closed' if one.closed else 'open'}"
+    return text
+
+
+def projections(points: Array, specs: Sequence[str], seed: int) -> list[tuple[int, int, list[Measured]]]:
+    """Every pair of dimensions A < B, with the measures of the points' projection onto it.
+
+    Raises InvalidInput for points of one dimension.
+    """
+    if points.shape[1] < 2:
+        raise InvalidInput("projections are onto two dimensions; these points have one")
+    pairs = itertools.combinations(range(points.shape[1]), 2)
+    return [(a, b, measure_all(points[:, [a, b]], specs, seed)) for a, b in pairs]
