@@ -15,9 +15,9 @@
 #define LAST (1.0 - 0x1p-53)
 
 /* With so little work that sanitizers take seconds. */
-static const char *const specs[] = {"star-bounds",
-                                    "star-bounds:gap=0",
-                                    "star-bounds:gap=0.001,iterations=0",
+static const char *const specs[] = {"star-bounds:work=1,iterations=200",
+                                    "star-bounds:work=1,iterations=200,gap=0",
+                                    "star-bounds:work=1,iterations=0,gap=0.001",
                                     "star-bounds:work=0,iterations=200",
                                     "dispersion",
                                     "dispersion:of=disc",
