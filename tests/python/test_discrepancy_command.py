@@ -50,6 +50,17 @@ def test_quick_measures_are_chosen_and_drawn(tmp_path: Path) -> None:
     assert (tmp_path / "delta.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_quick_measure_that_cannot_be_had_is_none_with_its_reason() -> None:
+    found = document("random", "-n", "15")
+    measures, details = found["measures"], found["details"]
+    assert isinstance(measures, dict)
+    assert isinstance(details, dict)
+    assert measures["t-value"] is None
+    assert "power" in details["t-value"]["reason"]
+    assert measures["star"] > 0.0
+    assert "t-value" in run("discrepancy", "random", "-n", "15").stdout
+
+
 def test_delta_is_its_definition() -> None:
     points = np.random.default_rng(4).random((50, 2))
     shown, at = delta.delta(points, 32), (np.arange(32) + 0.5) / 32

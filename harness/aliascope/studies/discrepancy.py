@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -42,23 +43,43 @@ def quick(n: int, d: int) -> list[str]:
     ]
 
 
-def measure_all(points: Array, specs: Sequence[str], seed: int) -> list[Measured]:
-    """These measures of points (n, d), or the quick ones where none is named."""
-    wanted = specs or quick(*points.shape)
-    if not wanted:
+@dataclass(frozen=True)
+class Refused:
+    """A measure that these points do not have, and why."""
+
+    spec: str
+    reason: str
+
+
+def measure_all(points: Array, specs: Sequence[str], seed: int) -> list[Measured | Refused]:
+    """These measures of points (n, d), or the quick ones where none is named; of those some may not be had.
+
+    Raises Unsupported for a named one that cannot be had, and where no measure is quick.
+    """
+    if specs:
+        return [discrepancy.measure(spec, points, seed) for spec in specs]
+    found: list[Measured | Refused] = []
+    for name in quick(*points.shape):
+        try:
+            found.append(discrepancy.measure(name, points, seed))
+        except Unsupported as error:
+            found.append(Refused(name, str(error)))
+    if not found:
         raise Unsupported(f"no measure is quick for {len(points)} points; choose with --measure")
-    return [discrepancy.measure(spec, points, seed) for spec in wanted]
+    return found
 
 
-def document(measured: Sequence[Measured]) -> dict[str, Any]:
+def document(measured: Sequence[Measured | Refused]) -> dict[str, Any]:
     """The part "measures" and "details" of what --json prints."""
     return {
-        "measures": {one.spec: one.value for one in measured},
+        "measures": {one.spec: one.value if isinstance(one, Measured) else None for one in measured},
         "details": {one.spec: _details(one) for one in measured},
     }
 
 
-def _details(one: Measured) -> dict[str, Any]:
+def _details(one: Measured | Refused) -> dict[str, Any]:
+    if isinstance(one, Refused):
+        return {"reason": one.reason}
     details: dict[str, Any] = {"certainty": one.certainty}
     if one.certainty == "bounds":
         details |= {"lower": _finite(one.lower), "upper": _finite(one.upper)}
@@ -73,14 +94,16 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def lines(measured: Sequence[Measured]) -> list[str]:
+def lines(measured: Sequence[Measured | Refused]) -> list[str]:
     """A line a measure: its name, its value, how certain that is, where an extreme is met."""
     width = max(len(one.spec) for one in measured)
-    return [f"{one.spec:{width}}  {one.value:.10g}{_qualified(one)}" for one in measured]
+    return [f"{one.spec:{width}}  {_said(one)}" for one in measured]
 
 
-def _qualified(one: Measured) -> str:
-    text = ""
+def _said(one: Measured | Refused) -> str:
+    if isinstance(one, Refused):
+        return f"none: {one.reason}"
+    text = f"{one.value:.10g}"
     if one.certainty == "bounds":
         text += f"  in [{one.lower:.6g}, {one.upper:.6g}]"
     if one.certainty == "estimated":
@@ -90,7 +113,7 @@ def _qualified(one: Measured) -> str:
     return text
 
 
-def projections(points: Array, specs: Sequence[str], seed: int) -> list[tuple[int, int, list[Measured]]]:
+def projections(points: Array, specs: Sequence[str], seed: int) -> list[tuple[int, int, list[Measured | Refused]]]:
     """Every pair of dimensions A < B, with the measures of the points' projection onto it.
 
     Raises InvalidInput for points of one dimension.
