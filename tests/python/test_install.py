@@ -40,6 +40,10 @@ int main(void) {
 """
 
 
+MAKE = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")
+"""What a make that runs the tests would say to the one that is tested."""
+
+
 def run(command: list[str | Path] | str, folder: Path, **more: str) -> subprocess.CompletedProcess[str]:
     """In a folder, `command` a list or words for a shell; `more` goes into its environment."""
     result = subprocess.run(
@@ -50,7 +54,7 @@ def run(command: list[str | Path] | str, folder: Path, **more: str) -> subproces
         text=True,
         timeout=120,
         check=False,
-        env={**os.environ, **more},
+        env={name: value for name, value in {**os.environ, **more}.items() if name not in MAKE},
     )
     assert result.returncode == 0, result.stdout + result.stderr
     return result
