@@ -298,6 +298,6 @@ const asc_measure_interface asc_measure_star = {
     .source = "Niederreiter 1972; Bundschuh and Zhu 1993",
     .least_dimensions = 1,
     .most_dimensions = MOST_DIMENSIONS,
-    .quick_points = 200000,
+    .quick_points = 100000,
     .evaluate = star_evaluate,
 };

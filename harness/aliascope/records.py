@@ -170,4 +170,4 @@ class ReportData:
     skipped: Mapping[str, str] = field(default_factory=dict)
     """Renderers that are not there, and why."""
     undrawn: tuple[EmptyCell, ...] = ()
-    """The cells of scenes that nothing drew, so that they have no section."""
+    """The empty cells of scenes that have no section of their own, since nothing drew them."""

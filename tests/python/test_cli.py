@@ -356,6 +356,15 @@ def test_a_job_that_fails_stops_no_other(tmp_path: Path, trouble: str) -> None:
     assert compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)["reused"] == SEEDS + 2
 
 
+def test_a_scene_that_nothing_draws_is_told_beside_those_that_are_drawn(tmp_path: Path) -> None:
+    arguments = ("edge", "terrain", "-r", "osmesa", "-m", "none", "--size", "32x24")
+    assert compare(tmp_path, *arguments)["rendered"] == 1
+    assert "100352 triangles and 1 light" in (tmp_path / "report.html").read_text()
+    rows = [line for line in (tmp_path / "results.csv").read_text().splitlines() if line.startswith("terrain,")]
+    assert len(rows) == 1
+    assert ',empty,"100352 triangles' in rows[0]
+
+
 def test_folders_that_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     message = complaint("compare", "edge", *QUICK, "-o", tmp_path / "file" / "out", code=4)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy import integrate, stats
 
 from aliascope import points
@@ -11,6 +14,7 @@ from aliascope.errors import InvalidInput, SpecError
 from aliascope.native import warps
 from aliascope.native.warps import Density, Warp
 
+Array = NDArray[np.float64]
 HEMISPHERES = (warps.COSINE_HEMISPHERE, warps.UNIFORM_HEMISPHERE)
 
 
@@ -45,7 +49,7 @@ def test_densities_of_directions_integrate_to_one(warp: Warp) -> None:
         (warps.TRIANGLE, lambda p: p[:, 1] * p[:, 2], 1 / 12),
     ],
 )
-def test_moments_by_sobol_points(warp: Warp, moment, expected: float) -> None:  # type: ignore[no-untyped-def]
+def test_moments_by_sobol_points(warp: Warp, moment: Callable[[Array], Array], expected: float) -> None:
     # The error of 2^16 points of a net is below 3e-5 for integrands of bounded variation: log(N)/N.
     assert moment(warp.sample(points("sobol", 1 << 16))).mean() == pytest.approx(expected, abs=3e-5)
 
@@ -83,7 +87,7 @@ def test_a_plane_is_its_marginal_and_its_rows() -> None:
 def test_an_estimator_may_use_any_density() -> None:
     """The integral of x^8 + 0.1 y^2 by points of a coarse picture of it: unbiased, and with less variance."""
 
-    def integrand(p: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
+    def integrand(p: Array) -> Array:
         return p[:, 0] ** 8 + 0.1 * p[:, 1] ** 2
 
     centres = (np.arange(16) + 0.5) / 16

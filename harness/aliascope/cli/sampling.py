@@ -12,14 +12,18 @@ import typer
 from aliascope.cli.shared import Json, Seed, app, print_json
 from aliascope.errors import InvalidInput
 
+Source = Annotated[
+    str, typer.Argument(metavar="SAMPLER|FILE", help="Spec; see aliascope list samplers. Or a .csv or .npy file.")
+]
+Count = Annotated[int | None, typer.Option("-n", min=1, max=2**53, help="How many points.")]
+Dimensions = Annotated[int | None, typer.Option("-d", min=1, max=65536, help="Dimensions of the pattern, 2.")]
+
 
 @app.command(epilog="Example: aliascope points sobol:scramble=owen -n 64 --spectrum -o spectrum.svg")
 def points(
-    sampler: Annotated[
-        str, typer.Argument(metavar="SAMPLER|FILE", help="Spec; see aliascope list samplers. Or a .csv or .npy file.")
-    ],
-    n: Annotated[int | None, typer.Option("-n", min=1, max=2**53, help="How many points.")] = None,
-    d: Annotated[int | None, typer.Option("-d", min=1, max=65536, help="Dimensions of the pattern, 2.")] = None,
+    sampler: Source,
+    n: Count = None,
+    d: Dimensions = None,
     seed: Seed = 0,
     pixel: Annotated[str, typer.Option(metavar="X,Y", help="Of which pixel.")] = "0,0",
     first: Annotated[int, typer.Option(min=0, max=2**53, help="Index of the first point.")] = 0,
@@ -80,11 +84,9 @@ def _pixel(text: str) -> tuple[int, int]:
 
 @app.command(epilog="Example: aliascope discrepancy sobol:scramble=owen -n 256 --measure star,half-plane")
 def discrepancy(
-    source: Annotated[
-        str, typer.Argument(metavar="SAMPLER|FILE", help="Spec; see aliascope list samplers. Or a .csv or .npy file.")
-    ],
-    n: Annotated[int | None, typer.Option("-n", min=1, max=2**53, help="How many points.")] = None,
-    d: Annotated[int | None, typer.Option("-d", min=1, max=65536, help="Dimensions of the pattern, 2.")] = None,
+    source: Source,
+    n: Count = None,
+    d: Dimensions = None,
     seed: Seed = 0,
     measure: Annotated[
         list[str] | None,

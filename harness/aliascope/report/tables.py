@@ -33,6 +33,8 @@ def results_csv(data: ReportData) -> str:
             )
         for cell in scene.empty:
             writer.writerow(_without(scene.name, cell.renderer, cell.mode, "empty", cell.reason, len(figures)))
+    for cell in data.undrawn:
+        writer.writerow(_without(cell.scene, cell.renderer, cell.mode, "empty", cell.reason, len(figures)))
     for failure in data.failures:
         name, message = failure.scene, failure.message
         writer.writerow(_without(name, failure.renderer, failure.mode, "failed", message, len(figures)))

@@ -84,7 +84,7 @@ def compare(
         versions={"aliascope": f"{places.own_version()} ({places.revision()})", **versions},
         metrics=metrics.ABOUT,
         skipped=plan.skipped,
-        undrawn=tuple(cell for cell in plan.empty if cell.scene not in {job.scene for job in plan.jobs}),
+        undrawn=tuple(cell for cell in plan.empty if (cell.scene, "box") not in judged),
     )
     return Comparison(write_report(folder, data), data, len(outcomes) - reused, outcomes)
 
