@@ -25,6 +25,10 @@ CPPFLAGS := -Icsrc/include -Icsrc/sampler -Icsrc/filter -Icsrc/discrepancy -Icsr
 EMBREE := -lembree3
 OSMESA := -lOSMesa
 
+# Tests run side by side.
+CORES := $(shell nproc)
+TOGETHER := --jobs=$(CORES) --output-sync=target
+
 say = echo "  $(1) $@"
 objects = $(patsubst csrc/%.c,$(OBJECTS)/%.o,$(wildcard csrc/$(1)/*.c))
 SAMPLER_OBJECTS := $(call objects,sampler)
@@ -54,9 +58,9 @@ compare: all
 ## test       every test: C (also under sanitizers), Python, browser
 .PHONY: test
 test: all
-	$(MAKE) --no-print-directory c-tests
-	$(MAKE) --no-print-directory c-tests VARIANT=sanitized
-	$(VENV)/bin/pytest
+	$(MAKE) --no-print-directory $(TOGETHER) c-tests
+	$(MAKE) --no-print-directory $(TOGETHER) c-tests VARIANT=sanitized
+	$(VENV)/bin/pytest --numprocesses $(CORES) --dist loadfile
 
 ## lint       formatters, linters, types, layers
 .PHONY: lint
@@ -152,9 +156,10 @@ $(BUILD)/plugins/%.so: csrc/plugins/%.c csrc/include/aliascope/*.h
 
 # --- C tests and benchmarks -------------------------------------------------------------------------------------------
 
-.PHONY: c-tests
-c-tests: $(C_TESTS)
-	@for test in $(C_TESTS); do LSAN_OPTIONS=suppressions=tests/c/leaks.supp:print_suppressions=0 $$test || exit 1; done
+.PHONY: c-tests $(C_TESTS:%=run-%)
+c-tests: $(C_TESTS:%=run-%)
+$(C_TESTS:%=run-%): run-%: %
+	@LSAN_OPTIONS=suppressions=tests/c/leaks.supp:print_suppressions=0 $<
 
 # Tests link the objects, to reach what is hidden.
 $(OBJECTS)/test_%: tests/c/test_%.c $(SAMPLER_OBJECTS) $(FILTER_OBJECTS) $(DISCREPANCY_OBJECTS) $(WARP_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
