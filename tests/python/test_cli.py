@@ -210,7 +210,7 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
     assert second["rows"] == first["rows"]
 
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        assert database.execute("PRAGMA user_version").fetchone() == (2,)
+        assert database.execute("PRAGMA user_version").fetchone() == (3,)
         revision, machine, versions = database.execute("SELECT revision, machine, versions FROM run").fetchone()
         rows = database.execute("SELECT image, seed, cpu_seconds, samples FROM job").fetchall()
     assert revision == places.revision()
@@ -267,10 +267,11 @@ def test_times_of_jobs_side_by_side_do_not_pass_for_those_of_jobs_alone(tmp_path
     # A folder of the schema without that column is brought up to date; its pictures count as timed alone.
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
         database.execute("ALTER TABLE job DROP COLUMN processes")
+        database.execute("DROP TABLE probe")
         database.execute("PRAGMA user_version = 1")
     assert compare(tmp_path, *modes)["reused"] == SEEDS
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        assert database.execute("PRAGMA user_version").fetchone() == (2,)
+        assert database.execute("PRAGMA user_version").fetchone() == (3,)
         assert database.execute("SELECT DISTINCT processes FROM job").fetchall() == [(1,)]
 
 

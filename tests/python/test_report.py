@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 from aliascope import metrics
 from aliascope.errors import InvalidInput, NotAvailable, NotWritable
 from aliascope.records import EmptyCell, Estimate, Failure, MetricInfo, ModeRow, Pixels, ReportData, SceneSection
-from aliascope.report import page, write_report
+from aliascope.report import _power_of_ten, _signed, page, write_report
 from aliascope.report.document import document, script_json
 from aliascope.report.encode import PictureStore, decode_picture, encode_picture, error_map, error_scale, round_up
 from aliascope.report.filters import FREQUENCIES, filter_responses, filters_csv
@@ -403,6 +403,21 @@ def test_the_page_escapes_what_it_is_given() -> None:
     assert text.count("<!--") == 0
     scripts = re.findall(r"<script\b([^>]*)>", text)
     assert [attributes for attributes in scripts if "type=" not in attributes] == [""]  # one that runs: ours
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "0"), (1e-4, "10⁻⁴"), (1.8e-8, "1.8\u202f×\u202f10⁻⁸"), (9.96e-5, "10⁻⁴"), (0.5, "5\u202f×\u202f10⁻¹")],
+)
+def test_small_figures_of_probes(value: float, text: str) -> None:
+    assert _power_of_ten(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0.00123, "+0.0012"), (-0.00126, "\u22120.0013"), (-0.00004, "0.0000"), (0.0, "0.0000")]
+)
+def test_places_of_probes_have_their_sign(value: float, text: str) -> None:
+    assert _signed(value) == text
 
 
 def test_the_same_data_gives_the_same_files(tmp_path: Path) -> None:
