@@ -13,8 +13,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from aliascope.records import EmptyCell, Estimate, ReportData, SceneSection
-from aliascope.report import write_report
-from browser.conftest import wait_ready
+from browser.conftest import wait_ready, written
 from browser.report_data import BRIGHT, DARK, HEADLINE, HOSTILE, MARK, NOT_A_NUMBER
 
 Open = Callable[..., Page]
@@ -110,7 +109,7 @@ def test_what_cannot_be_told_from_the_best_is_bold_too(open_page: Open, data: Re
         for i, (row, rmse) in enumerate(zip(scene.rows, figures, strict=True))
     )
     page = open_page()
-    page.goto(write_report(tmp_path, replace(data, scenes=(replace(scene, rows=rows),))).as_uri() + "#error=0.12")
+    page.goto(written(tmp_path, replace(data, scenes=(replace(scene, rows=rows),))).as_uri() + "#error=0.12")
     wait_ready(page)
     # 7 more with an uncertainty that is not known is not alike: 6 is what the best's alone allows.
     assert [number(text) for text in visible(page, ".modes td.best:nth-child(2)")] == [0.1, 0.109]
@@ -468,7 +467,7 @@ def test_a_time_too_short_to_be_told_is_not_the_best(open_page: Open, data: Repo
     scene = data.scenes[0]
     rows = tuple(replace(r, cpu_seconds=Estimate(0.0, 0.0)) if r.renderer == "povray" else r for r in scene.rows)
     page = open_page()
-    page.goto(write_report(tmp_path, replace(data, scenes=(replace(scene, rows=rows),))).as_uri())
+    page.goto(written(tmp_path, replace(data, scenes=(replace(scene, rows=rows),))).as_uri())
     wait_ready(page)
     table = page.locator(".scene .modes")
     povray = table.locator("tbody tr", has_text="povray").locator("td").all_inner_texts()
@@ -494,7 +493,7 @@ def test_a_figure_has_no_digits_below_its_uncertainty(open_page: Open, data: Rep
         for row in scene.rows
     ]
     page = open_page()
-    path = write_report(tmp_path, replace(data, scenes=(replace(scene, rows=tuple(rows)),)))
+    path = written(tmp_path, replace(data, scenes=(replace(scene, rows=tuple(rows)),)))
     page.goto(path.as_uri() + "#metric=structure&sort=spp-up")
     wait_ready(page)
     found = [text.strip("\u2007\u2008 ") for text in visible(page, ".modes td:nth-child(2)")]
@@ -525,7 +524,7 @@ def test_a_report_of_nothing(open_page: Open, data: ReportData, tmp_path: Path, 
     """No scene, one without a picture, and one beside a scene that has some."""
     empty = (EmptyCell("bare", "povray", "none", "why"),)
     bare = SceneSection("bare", "Bare", "", data.scenes[0].reference, "", (), empty)
-    path = write_report(tmp_path, replace(data, scenes=(bare, data.scenes[0])[:scenes], headlines=()))
+    path = written(tmp_path, replace(data, scenes=(bare, data.scenes[0])[:scenes], headlines=()))
     page = open_page()
     page.goto(path.as_uri())
     if scenes == 0:
