@@ -1,14 +1,14 @@
-"""The commands as a user runs them: what they print, and their exit codes."""
+"""The commands: what they print, and their exit codes."""
 
 from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import signal
 import sqlite3
 import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from typing import Any
 import fake_povray
 import numpy as np
 import pytest
+from commands import COMMAND, complaint, run, separately
 
 from aliascope import places, plan, references, renderers
 from aliascope.errors import CheckFailed
@@ -23,28 +24,23 @@ from aliascope.image import read_header, read_image, write_exr
 from aliascope.studies import selection
 from aliascope.studies.compare import reference_of
 
-COMMAND = [sys.executable, "-W", "error", "-m", "aliascope.cli"]
 QUICK = ("-m", "uniform:n=1", "-m", "none", "-m", "msaa:n=4")
 """One cheap mode of each renderer: of the tracer a picture a seed, "none" of POV-Ray and OSMesa, and "msaa"."""
 SEEDS = plan.SEEDS["quick"]
 
 
-def run(*arguments: str | Path, code: int = 0, **options: Any) -> subprocess.CompletedProcess[str]:
-    result = subprocess.run(
-        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False, **options
-    )
-    assert result.returncode == code, result.stdout + result.stderr
-    assert "Traceback" not in result.stderr
-    return result
+@pytest.fixture(autouse=True)
+def quick_figures(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The figures beside a report take more time than all else of a small comparison; test_report.py looks at them, and
+    the test here that is marked."""
+    if "figures" not in request.fixturenames:
+        for name in ("plot_svg", "spectrum_svg", "filters_svg"):
+            monkeypatch.setattr(f"aliascope.report.{name}", lambda *_: "<svg xmlns='http://www.w3.org/2000/svg'/>")
 
 
-def complaint(*arguments: str | Path, code: int, **options: Any) -> str:
-    """The one line of an error."""
-    result = run(*arguments, code=code, **options)
-    lines = result.stderr.splitlines()
-    assert len(lines) == 1, result.stderr
-    assert lines[0].startswith("aliascope: ")
-    return lines[0]
+@pytest.fixture
+def figures() -> None:
+    """Has the figures drawn."""
 
 
 def environment(folder: Path, alone: bool = False) -> dict[str, str]:
@@ -56,7 +52,7 @@ def environment(folder: Path, alone: bool = False) -> dict[str, str]:
 
 
 def test_version_and_help() -> None:
-    assert run("--version").stdout == f"aliascope {places.own_version()}\n"
+    assert separately("--version").stdout == f"aliascope {places.own_version()}\n"
     for command in ("points", "list", "render", "error", "reference", "compare"):
         assert "Example: aliascope " + command in run(command, "--help").stdout
 
@@ -210,7 +206,7 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
     assert second["rows"] == first["rows"]
 
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        assert database.execute("PRAGMA user_version").fetchone() == (2,)
+        assert database.execute("PRAGMA user_version").fetchone() == (3,)
         revision, machine, versions = database.execute("SELECT revision, machine, versions FROM run").fetchone()
         rows = database.execute("SELECT image, seed, cpu_seconds, samples FROM job").fetchall()
     assert revision == places.revision()
@@ -222,8 +218,14 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
         assert header["command"].startswith("aliascope render ")
         assert cpu_seconds >= 0
         assert samples > 0
-    assert (tmp_path / "report.html").is_file()
+    assert (
+        "<title>compare, quick profile, chosen scenes and modes · aliascope</title>"
+        in (tmp_path / "report.html").read_text()
+    )
     assert (tmp_path / "results.csv").is_file()
+    # Each renderer's conventions were measured once, and are in both reports.
+    assert [probe["holds"] for probe in first["probes"]] == [True] * 3
+    assert second["probes"] == first["probes"]
 
     # A metric that is new is measured of the pictures that are there.
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
@@ -267,10 +269,11 @@ def test_times_of_jobs_side_by_side_do_not_pass_for_those_of_jobs_alone(tmp_path
     # A folder of the schema without that column is brought up to date; its pictures count as timed alone.
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
         database.execute("ALTER TABLE job DROP COLUMN processes")
+        database.execute("DROP TABLE probe")
         database.execute("PRAGMA user_version = 1")
     assert compare(tmp_path, *modes)["reused"] == SEEDS
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        assert database.execute("PRAGMA user_version").fetchone() == (2,)
+        assert database.execute("PRAGMA user_version").fetchone() == (3,)
         assert database.execute("SELECT DISTINCT processes FROM job").fetchall() == [(1,)]
 
 
@@ -308,6 +311,14 @@ def test_dry_run_and_choices(tmp_path: Path) -> None:
     }
     assert {renderer for renderer, _ in halton} == {"embree", "osmesa"}
     assert not (tmp_path / "results.sqlite").exists()
+    for chosen, about in (
+        (([], [], []), "quick profile"),
+        ((["*"], [], ["*"]), "quick profile"),
+        ((["e*"], [], []), "quick profile, chosen scenes"),
+        (([], ["osmesa"], []), "quick profile, chosen modes"),
+        ((["edge"], [], ["none"]), "quick profile, chosen scenes and modes"),
+    ):
+        assert selection.plan_of(*chosen, "quick", None).about == about
     for wrong, words in (
         (("egde",), 'did you mean "edge"?'),
         (("edge", "-r", "povrai"), 'did you mean "povray"?'),
@@ -320,10 +331,14 @@ def test_dry_run_and_choices(tmp_path: Path) -> None:
         assert words in complaint("compare", *wrong, code=2)
 
 
+@pytest.mark.usefixtures("figures")
 def test_a_renderer_that_is_absent_is_skipped_and_said_or_demanded(tmp_path: Path) -> None:
     nowhere = environment(tmp_path / "empty", alone=True)
     document = compare(tmp_path / "out", "edge", *QUICK, env=nowhere)
     assert "povray" in document["skipped"]
+    figures = {path.name: path.stat().st_size for path in (tmp_path / "out" / "plots").glob("*.svg")}
+    assert set(figures) == {"edge.svg", "edge-spectrum.svg", "filters.svg"}
+    assert min(figures.values()) > 5_000
     assert document["rendered"] == SEEDS + 2
     text = run("compare", "edge", *QUICK, "-o", tmp_path / "out", env=nowhere).stdout
     assert "skipped povray: " in text
@@ -332,28 +347,58 @@ def test_a_renderer_that_is_absent_is_skipped_and_said_or_demanded(tmp_path: Pat
 
 # The worker that runs POV-Ray is its parent's parent's child: the script is started by it directly.
 TROUBLE = {
-    "crashes": ("kill -SEGV $$", "SIGSEGV"),
-    "fails": ("echo 'Parse Error: nonsense' >&2; exit 1", "Parse Error: nonsense"),
-    "hangs": ("exec sleep 60", "had not ended after 2 s"),
-    "takes its worker along": ("kill -SEGV $PPID; sleep 1", "SIGSEGV"),
-    "kills its worker": ("kill -KILL $PPID; sleep 1", "SIGKILL"),
+    "am1:depth=2": ("kill -SEGV $$", "SIGSEGV"),
+    "am1:depth=4": ("echo 'Parse Error: nonsense' >&2; exit 1", "Parse Error: nonsense"),
+    "am1:depth=5": ("exec sleep 60", "had not ended after 2 s"),
+    "am1:depth=6": ("kill -SEGV $PPID; sleep 1", "SIGSEGV"),
+    "am1:depth=7": ("kill -KILL $PPID; sleep 1", "SIGKILL"),
 }
+"""What povray does in each mode: crashes, fails, hangs, takes its worker along, kills its worker."""
 
 
-@pytest.mark.parametrize("trouble", list(TROUBLE))
-def test_a_job_that_fails_stops_no_other(tmp_path: Path, trouble: str) -> None:
-    body, words = TROUBLE[trouble]
-    version = 'case "$*" in *version*) echo "POV-Ray 3.7.0.10" >&2; exit 0;; esac; '
-    path = environment(fake_povray.install(tmp_path / "bin", version + body))
-    document = compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)
-    assert (document["pictures"], document["failed"]) == (SEEDS + 2, 1)
-    assert words in document["failures"][0]["message"]
-    command = document["failures"][0]["command"]
-    assert command.startswith("aliascope render edge -r povray -m none ")
-    assert command.endswith(" --time-limit 2")
-    assert words in (tmp_path / "out" / "report.html").read_text()
+def test_jobs_that_fail_stop_no_other(tmp_path: Path) -> None:
+    cases = "".join(f"*+R{mode[-1]}*) {body};; " for mode, (body, _) in TROUBLE.items())
+    body = f'case "$*" in *version*) echo "POV-Ray 3.7.0.10" >&2; exit 0;; {cases}esac'
+    path = environment(fake_povray.install(tmp_path / "bin", body))
+    modes = ("-m", "uniform:n=1", "-m", "msaa:n=4", *(word for mode in TROUBLE for word in ("-m", mode)))
+    arguments = ("edge", *modes, "--time-limit", "2")
+    document = compare(tmp_path / "out", *arguments, code=4, env=path)
+    assert (document["pictures"], document["failed"]) == (SEEDS + 1, len(TROUBLE))
+    report = (tmp_path / "out" / "report.html").read_text()
+    failures = {failure["mode"]: failure for failure in document["failures"]}
+    for mode, (_, words) in TROUBLE.items():
+        assert words in failures[mode]["message"]
+        command = failures[mode]["command"]
+        assert command.startswith(f"aliascope render edge -r povray -m {mode} ")
+        assert command.endswith(" --time-limit 2")
+        assert words in report
+    # What made no picture is not probed, and said before what is.
+    probes = [(probe["renderer"], probe["holds"], probe["reason"]) for probe in document["probes"]]
+    assert probes[0] == ("povray", False, "none of its pictures was made")
+    assert set(probes[1:]) == {("embree", True, ""), ("osmesa", True, "")}
     # What failed is tried again, and only that.
-    assert compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)["reused"] == SEEDS + 2
+    again = compare(tmp_path / "out", *arguments, code=4, env=path)
+    assert (again["reused"], again["failed"]) == (SEEDS + 1, len(TROUBLE))
+
+
+def test_a_probe_that_hangs_stops_nothing(tmp_path: Path) -> None:
+    """POV-Ray that hangs at the probe's antialiasing, and at nothing else."""
+    real = shutil.which("povray")
+    body = f'case "$*" in *+R9*) exec sleep 60;; *) exec {real} "$@";; esac'
+    path = environment(fake_povray.install(tmp_path / "bin", body))
+    arguments = ("edge", "-r", "povray", "-m", "none", "--time-limit", "3", "--size", "32x24")
+    document = compare(tmp_path / "out", *arguments, env=path)
+    assert (document["pictures"], document["failed"]) == (1, 0)
+    (probe,) = document["probes"]
+    assert probe["reason"] == "its probe failed: povray had not ended after 3 s, its time limit, and was killed"
+    assert probe["reason"] in (tmp_path / "out" / "report.html").read_text()
+    # What failed is tried again; once it has figures, they are kept.
+    for _ in range(2):
+        document = compare(tmp_path / "out", *arguments[:-4], "--size", "32x24")
+        (probe,) = document["probes"]
+        assert probe["holds"]
+    with sqlite3.connect(tmp_path / "out" / "results.sqlite") as database:
+        assert database.execute("SELECT renderer, run FROM probe").fetchall() == [("povray", 2)]
 
 
 def test_a_scene_that_nothing_draws_is_told_beside_those_that_are_drawn(tmp_path: Path) -> None:
@@ -399,7 +444,9 @@ def kept(folder: Path) -> int:
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
 def test_a_compare_that_was_stopped_keeps_what_it_has_and_goes_on(tmp_path: Path, how: signal.Signals) -> None:
-    command = [*COMMAND, "compare", "edge", "-r", "embree", "-o", str(tmp_path)]
+    modes = [mode for mode in plan.QUICK["embree"] if mode.startswith(("uniform:n=1,", "uniform:n=4,"))]
+    arguments = ("edge", "-r", "embree", *(word for mode in modes for word in ("-m", mode)))
+    command = [*COMMAND, "compare", *arguments, "-o", str(tmp_path)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 60
     while kept(tmp_path) < 5:
@@ -413,10 +460,10 @@ def test_a_compare_that_was_stopped_keeps_what_it_has_and_goes_on(tmp_path: Path
         assert errors.startswith("aliascope: interrupted")
     had = kept(tmp_path)
     (tmp_path / "images" / ".cut-short.1.exr").write_bytes(b"\x76\x2f\x31\x01")
-    document = compare(tmp_path, "edge", "-r", "embree", "--resume")
+    document = compare(tmp_path, *arguments, "--resume")
     assert document["reused"] == had >= 5
     embree = renderers.find("embree")
-    seeded = [embree.seeded(renderers.mode_of(embree, mode)) for mode in plan.QUICK["embree"]]
+    seeded = [embree.seeded(renderers.mode_of(embree, mode)) for mode in modes]
     assert document["rendered"] == sum(SEEDS if each else 1 for each in seeded) - had
     assert not list(tmp_path.glob("images/**/.*"))
 
@@ -427,11 +474,28 @@ def test_a_users_scene_gets_its_reference_made_once(tmp_path: Path) -> None:
     scene.write_text(text.replace("0.9412", "0.5"))
     arguments = ("compare", scene, "-m", "uniform:n=4", "--size", "40x30", "-o", tmp_path / "out", "--json")
     first = run(*arguments)
-    assert first.stderr == "making the reference of mine, 40 x 30 pixels, filter box\n"
+    assert first.stderr == ""
     assert json.loads(first.stdout)["rows"][0]["scene"] == "mine"
+    (made,) = (tmp_path / "out" / "references").rglob("*.exr")
+    stamp = made.stat().st_mtime_ns
     assert run(*arguments).stderr == ""
+    assert made.stat().st_mtime_ns == stamp
     scene.write_text(text.replace("0.9412", "0.6"))
     assert "was made for another version of the scene" in run(*arguments).stderr
+    assert made.stat().st_mtime_ns > stamp
+
+
+def test_a_reference_that_is_made_tells_how_far_it_is(tmp_path: Path) -> None:
+    """On a terminal alone: what is made, how many pictures of it, the standard error now and at the end."""
+    scene = tmp_path / "mine.toml"
+    scene.write_text((places.SCENES / "discs.toml").read_text())
+    arguments = ("compare", scene, "-m", "uniform:n=1,filter=tent", "--size", "12x9", "-o")
+    assert run(*arguments, tmp_path / "quiet").stderr == ""
+    terminal = run(*arguments, tmp_path / "out", terminal=True, env={**os.environ, "TERM": "xterm", "COLUMNS": "200"})
+    told = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", terminal.stderr)
+    assert re.search(r"/32 left .*reference of mine, 12 x 9 pixels, filter tent: standard error \d\.\de-", told), told
+    assert re.search(r"standard error (\S+), (\S+) at the end", told)
+    assert "probing embree" in told
 
 
 def test_each_filter_is_judged_by_its_own_reference(tmp_path: Path) -> None:
@@ -472,19 +536,20 @@ def test_a_missing_reference_of_ours_is_said_and_never_made(tmp_path: Path, monk
     chosen = selection.plan_of(["edge"], ["embree"], ["uniform:n=4,filter=mitchell"], "quick", None)
     for filter_, option in (("box", ""), ("mitchell", " --filter mitchell")):
         with pytest.raises(CheckFailed, match=f"make it with: aliascope reference edge{option}"):
-            reference_of(chosen, ("edge", filter_), (128, 96), tmp_path, print)
+            reference_of(chosen, ("edge", filter_), (128, 96), tmp_path, lambda *_: None, print)
     assert not list(tmp_path.iterdir())
 
 
 def test_the_reference_of_a_filter_that_no_profile_judges_is_made(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    few, make, told = references.Plan(samples=4, replicates=2), references.make, list[str]()
+    few, make, told = references.Plan(samples=4, replicates=2), references.make, list[object]()
     monkeypatch.setattr(references, "make", lambda scene, size, filter_, _: make(scene, size, filter_, few))
     chosen = selection.plan_of(["edge"], ["embree"], ["uniform:n=4,filter=tent"], "quick", None)
     for _ in range(2):
-        assert reference_of(chosen, ("edge", "tent"), (128, 96), tmp_path, told.append).pixels.shape == (96, 128, 3)
-    assert told == ["making the reference of edge, 128 x 96 pixels, filter tent"]
+        made = reference_of(chosen, ("edge", "tent"), (128, 96), tmp_path, lambda *what: told.append(what), print)
+        assert made.pixels.shape == (96, 128, 3)
+    assert told == [("reference of edge, 128 x 96 pixels, filter tent", 0, 1)]
     assert (tmp_path / "edge" / "128x96-tent.exr").is_file()
 
 

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from commands import complaint, run
 from matplotlib.figure import Figure
 from matplotlib.image import imread
-from test_cli import complaint, run
 
 import aliascope
 from aliascope import point_sets

@@ -81,7 +81,7 @@ def _page(data: ReportData, spectra: Sequence[SceneSpectra], filters: Sequence[R
     body = "\n".join(_source(name) for name in SCRIPTS)
     script = f'(() => {{\n"use strict";\n{body}\n}})();\n'
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters["figures"] = _figures
+    environment.filters |= {"figures": _figures, "signed": _signed, "power_of_ten": _power_of_ten}
     return environment.from_string(_source("page.html")).render(
         data=data,
         started=_date(data.started),
@@ -170,6 +170,22 @@ def _duration(seconds: float) -> str:
 def _figures(value: float) -> str:
     """Three significant digits."""
     return f"{value:.3g}"
+
+
+def _signed(value: float) -> str:
+    """Four decimals and the sign; of what rounds to 0 neither."""
+    text = f"{value:+.4f}".replace("-", "\u2212")
+    return text if text.strip("+\u22120.") else "0.0000"
+
+
+def _power_of_ten(value: float) -> str:
+    """Two significant digits, "6.1 × 10⁻⁶"; one where the other is 0, and a power alone where that is 1."""
+    if value == 0.0:
+        return "0"
+    mantissa, power = f"{value:.1e}".split("e")
+    digits = str(int(power)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    short = mantissa.removesuffix(".0")
+    return f"10{digits}" if short == "1" else f"{short}\u202f×\u202f10{digits}"
 
 
 def _quanta(data: ReportData) -> list[tuple[str, list[float]]]:
