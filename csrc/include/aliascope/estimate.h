@@ -21,11 +21,11 @@ typedef struct asc_moments {
   double squares; /* the sum of (x - mean)^2 */
 } asc_moments;
 
-/* Adds n values. ASC_INVALID_ARGUMENT for a null pointer, ASC_NUMERIC (and nothing is added) where one is not finite.
- */
+/* Adds n values; in one call or in several, the bits are the same. ASC_INVALID_ARGUMENT for a null pointer,
+ * ASC_NUMERIC (and nothing is added) where a value is not finite or the squares overflow. */
 ASC_API asc_status asc_moments_add(asc_moments *to, const double *values, size_t n);
 
-/* Those of both together (Chan, Golub and LeVeque 1979, the pairwise update), `from` after `to`. */
+/* Those of both together (Chan, Golub and LeVeque 1979, the pairwise update), `from` after `to`. Statuses as above. */
 ASC_API asc_status asc_moments_merge(asc_moments *to, const asc_moments *from);
 
 typedef struct asc_moments_summary {
@@ -44,10 +44,15 @@ ASC_API asc_status asc_moments_interval(const asc_moments *of, double confidence
 /* ---- Quantiles: x with P(X <= x) = p ----
  *
  * p in (0, 1), degrees of freedom from 1 to 1e12, not whole ones too; within 1e-12 of the exact value, relative.
- * ASC_INVALID_ARGUMENT elsewhere. */
+ * ASC_INVALID_ARGUMENT elsewhere; ASC_NUMERIC where x is beyond the largest double, as Student's may be for p below
+ * 1e-307. One below the least double is 0. quantiles.c says how they are worked out.
+ *
+ * Near 1 a double has few digits left for 1 - p. The first two are symmetric: x of 1 - q is minus that of q. For the
+ * third there is the upper form, x with P(X > x) = q. */
 ASC_API asc_status asc_normal_quantile(double p, double *x);
 ASC_API asc_status asc_student_t_quantile(double p, double degrees, double *x);
 ASC_API asc_status asc_chi_squared_quantile(double p, double degrees, double *x);
+ASC_API asc_status asc_chi_squared_upper_quantile(double q, double degrees, double *x);
 
 /* ---- Integrands and estimators ---- */
 
@@ -71,13 +76,14 @@ typedef struct asc_estimator asc_estimator;
 typedef struct asc_estimator_desc {
   size_t struct_size;         /* sizeof(asc_estimator_desc) */
   const char *spec;           /* "student-t:tolerance=0.01" */
-  const asc_sampler *sampler; /* a sequence, whose N is the most samples of a pixel; not owned */
+  const asc_sampler *sampler; /* its N is the most samples of a pixel; not owned, must live as long */
   uint32_t channels;          /* of the integrand, 1 to ASC_CHANNELS_MOST */
 } asc_estimator_desc;
 #define ASC_CHANNELS_MOST 16
 
 /* ASC_UNKNOWN_NAME, ASC_UNKNOWN_KEY (the message lists near misses), ASC_INVALID_VALUE; ASC_UNSUPPORTED for a sampler
- * that is no sequence, is weighted, or has fewer dimensions than the estimator needs. */
+ * that is no sequence or is weighted, unless the estimator takes it whole, as `fixed` does, or that has fewer
+ * dimensions than the estimator needs. */
 ASC_API asc_status asc_estimator_create(const asc_estimator_desc *desc, asc_estimator **made, asc_error *error);
 ASC_API void asc_estimator_destroy(asc_estimator *made);
 
@@ -93,12 +99,14 @@ typedef struct asc_estimates {
   size_t struct_size;      /* sizeof(asc_estimates) */
   double *means;           /* [pixel][channel] */
   double *standard_errors; /* [pixel][channel], as the estimator itself states them; NaN where it states none */
+  double *degrees;         /* [pixel], of freedom that the standard errors have, for Student's t; NaN where none */
   uint64_t *counts;        /* [pixel], samples of the pixel itself that were spent */
   uint64_t spent;          /* written: all samples, those outside the group too */
 } asc_estimates;
 
-/* Estimates all pixels of a group. Decisions are taken on completed samples only, and a pixel's outcome does not depend
- * on which group it is in. ASC_NUMERIC where the integrand gives a value that is not finite. */
+/* Estimates all pixels of a group, `made` being theirs, numbered row by row. Decisions are taken on completed samples
+ * only, and a pixel's outcome does not depend on which group it is in. ASC_NUMERIC where the integrand gives a value
+ * that is not finite. */
 ASC_API asc_status asc_estimate(const asc_estimator *with, const asc_group *group, asc_integrand integrand,
                                 void *context, asc_estimates *made, asc_error *error);
 
