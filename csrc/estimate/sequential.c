@@ -96,8 +96,8 @@ asc_status asc_sequential_run(const asc_estimator *self, const asc_group *group,
                       calloc(pixels, self->channels * sizeof *work.tallies),
                       calloc(pixels, sizeof *work.draws),
                       calloc(pixels, sizeof *work.open)};
-  asc_status status = ASC_OK;
-  if (!work.tallies || !work.draws || !work.open) status = asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
+  asc_status status = work.tallies && work.draws && work.open ? ASC_OK : ASC_OUT_OF_MEMORY;
+  if (status) (void)asc_fail(error, status, "out of memory");
   if (status == ASC_OK) status = decide(&work, unbiased ? self->samples / 2 : self->samples, error);
   if (status == ASC_OK && unbiased) status = start_afresh(&work, error);
   for (size_t i = 0; i < pixels && status == ASC_OK; i++) {

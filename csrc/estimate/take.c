@@ -93,7 +93,7 @@ asc_status asc_take(const asc_estimator *self, const asc_draw *draws, size_t cou
       status = fill(self, draw, draw->first + here.done, taken, work.pixels + filled,
                     work.points + filled * self->dimensions);
       if (status)
-        (void)asc_fail(error, status, "the sampler has no sample %llu", (unsigned long long)(draw->first + here.done));
+        (void)asc_fail(error, status, "the sampler has no sample %llu", (unsigned long long)draw->first + here.done);
       filled += taken;
     }
     if (status || filled == 0) break;
