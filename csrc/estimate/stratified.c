@@ -73,7 +73,9 @@ static asc_status write_pixel(const asc_estimator *self, size_t pixel, const asc
 static asc_status run(const asc_estimator *self, const asc_group *group, asc_integrand integrand, void *context,
                       asc_estimates *made, asc_error *error) {
   const size_t pixels = (size_t)group->columns * group->rows, cells = cells_of(self);
-  const size_t most = cells < MOST_AT_ONCE ? MOST_AT_ONCE / cells : 1, block = pixels < most ? pixels : most;
+  size_t block = MOST_AT_ONCE / cells;
+  if (block > pixels) block = pixels;
+  if (block == 0) block = 1;
   asc_draw *draws = malloc(block * cells * sizeof *draws);
   asc_tally *tallies = malloc(block * cells * self->channels * sizeof *tallies);
   asc_stratum *strata = malloc(cells * sizeof *strata);
