@@ -21,7 +21,7 @@ CFLAGS := -std=c11 -O3 -g -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-
 ifeq ($(VARIANT),sanitized)
 CFLAGS += -O1 -fno-omit-frame-pointer -fsanitize=address,undefined,float-divide-by-zero,float-cast-overflow -fno-sanitize-recover=all
 endif
-CPPFLAGS := -Icsrc/include -Icsrc/sampler -Icsrc/filter -Icsrc/discrepancy -Icsrc/warp -Icsrc/tracer -Icsrc/raster -DASC_VERSION='"$(VERSION)"' -MMD -MP
+CPPFLAGS := -Icsrc/include -Icsrc/sampler -Icsrc/filter -Icsrc/discrepancy -Icsrc/warp -Icsrc/estimate -Icsrc/tracer -Icsrc/raster -DASC_VERSION='"$(VERSION)"' -MMD -MP
 EMBREE := -lembree3
 OSMESA := -lOSMesa
 
@@ -31,10 +31,7 @@ TOGETHER := --jobs=$(CORES) --output-sync=target
 
 say = echo "  $(1) $@"
 objects = $(patsubst csrc/%.c,$(OBJECTS)/%.o,$(wildcard csrc/$(1)/*.c))
-SAMPLER_OBJECTS := $(call objects,sampler)
-FILTER_OBJECTS := $(call objects,filter)
-DISCREPANCY_OBJECTS := $(call objects,discrepancy)
-WARP_OBJECTS := $(call objects,warp)
+LIBRARY_OBJECTS := $(foreach part,sampler filter discrepancy warp estimate,$(call objects,$(part)))
 TRACER_OBJECTS := $(call objects,tracer)
 RASTER_OBJECTS := $(call objects,raster)
 C_TESTS := $(patsubst tests/c/%.c,$(OBJECTS)/%,$(wildcard tests/c/test_*.c))
@@ -125,11 +122,11 @@ $(OBJECTS)/%.o: csrc/%.c Makefile | $(BUILD)/system.stamp
 # The libraries are the release variant's; each names the folder it lies in as where to look for the others.
 SHARED = @$(call say,linking) && $(CC) -shared $(CFLAGS) $(filter %.o,$^) -Wl,--no-undefined -Wl,-rpath,'$$ORIGIN' -L$(LIBRARIES) -o $@
 
-$(LIBRARIES)/libaliascope.so: $(SAMPLER_OBJECTS) $(FILTER_OBJECTS) $(DISCREPANCY_OBJECTS) $(WARP_OBJECTS)
+$(LIBRARIES)/libaliascope.so: $(LIBRARY_OBJECTS)
 	@mkdir -p $(@D)
 	$(SHARED) -Wl,-soname,libaliascope.so -lm -ldl
 
-$(VERSIONED): $(SAMPLER_OBJECTS) $(FILTER_OBJECTS) $(DISCREPANCY_OBJECTS) $(WARP_OBJECTS)
+$(VERSIONED): $(LIBRARY_OBJECTS)
 	@mkdir -p $(@D)
 	@$(call say,linking) && $(CC) -shared $(CFLAGS) $^ -Wl,--no-undefined -Wl,-soname,$(SONAME) -o $@ -lm -ldl
 
@@ -162,11 +159,11 @@ $(C_TESTS:%=run-%): run-%: %
 	@LSAN_OPTIONS=suppressions=tests/c/leaks.supp:print_suppressions=0 $<
 
 # Tests link the objects, to reach what is hidden.
-$(OBJECTS)/test_%: tests/c/test_%.c $(SAMPLER_OBJECTS) $(FILTER_OBJECTS) $(DISCREPANCY_OBJECTS) $(WARP_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
+$(OBJECTS)/test_%: tests/c/test_%.c $(LIBRARY_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
 	@$(call say,compiling)
 	@$(CC) $(CFLAGS) $(CPPFLAGS) -MF $@.d $< $(filter %.o,$^) -o $@ $(EMBREE) $(OSMESA) -lcmocka -lm -ldl
 
-$(OBJECTS)/bench_%: tests/bench/bench_%.c $(SAMPLER_OBJECTS) $(FILTER_OBJECTS) $(DISCREPANCY_OBJECTS) $(WARP_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
+$(OBJECTS)/bench_%: tests/bench/bench_%.c $(LIBRARY_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
 	@$(call say,compiling)
 	@$(CC) $(CFLAGS) $(CPPFLAGS) -MF $@.d $< $(filter %.o,$^) -o $@ $(EMBREE) $(OSMESA) -lm -ldl
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from aliascope import metrics, scene_io
+from aliascope import integrands, metrics, scene_io
 from aliascope.errors import NotAvailable
 from aliascope.native import discrepancy, filters, samplers
 from aliascope.renderers import RENDERERS
@@ -74,6 +74,23 @@ def _filters() -> Entries:
     ]
 
 
+def _integrands() -> Entries:
+    found: Entries = []
+    for kind in integrands.KINDS.values():
+        least, most = kind.least_dimensions, kind.most_dimensions
+        found.append(
+            {
+                "name": kind.name,
+                "title": kind.title,
+                "dimensions": f"d = {least}" if least == most else f"d = {least} to {most}",
+                "smoothness": integrands.SMOOTHNESS[kind.smoothness],
+                "source": kind.source,
+                "keys": [_key(key) for key in kind.keys],
+            }
+        )
+    return found
+
+
 LISTS: Mapping[str, Callable[[], Entries]] = {
     "scenes": _scenes,
     "renderers": _renderers,
@@ -82,4 +99,5 @@ LISTS: Mapping[str, Callable[[], Entries]] = {
     "measures": _measures,
     "filters": _filters,
     "metrics": _metrics,
+    "integrands": _integrands,
 }
