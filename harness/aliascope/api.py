@@ -9,6 +9,7 @@ import numpy as np
 
 from aliascope import metrics, point_sets, references, renderers, scene_io
 from aliascope.errors import Unsupported
+from aliascope.integration import integrate
 from aliascope.native.samplers import points
 from aliascope.point_sets import PointSpectrum, point_statistics
 from aliascope.records import Pixels, Rendering
@@ -16,7 +17,7 @@ from aliascope.references import Reference
 from aliascope.renderers.base import Request, lacks
 from aliascope.scene_io import SceneFile
 
-__all__ = ["error", "load_scene", "point_spectrum", "point_statistics", "points", "reference", "render"]
+__all__ = ["error", "integrate", "load_scene", "point_spectrum", "point_statistics", "points", "reference", "render"]
 
 
 def load_scene(scene: str) -> SceneFile:
