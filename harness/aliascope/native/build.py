@@ -20,7 +20,14 @@ INCLUDE = [SOURCE / "include", SOURCE / "tracer", SOURCE / "raster"]
 MODULES = {
     "_sampler": (
         "aliascope",
-        ["aliascope/plugin.h", "aliascope/filter.h", "aliascope/discrepancy.h", "aliascope/warp.h", "aliascope/estimate.h"],
+        [
+            "aliascope/plugin.h",
+            "aliascope/filter.h",
+            "aliascope/uneven.h",
+            "aliascope/discrepancy.h",
+            "aliascope/warp.h",
+            "aliascope/estimate.h",
+        ],
     ),
     "_tracer": ("aliascope-tracer", ["tracer.h"]),
     "_raster": ("aliascope-raster", ["raster.h"]),

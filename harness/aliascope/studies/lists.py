@@ -7,7 +7,7 @@ from typing import Any
 
 from aliascope import metrics, scene_io
 from aliascope.errors import NotAvailable
-from aliascope.native import discrepancy, filters, samplers
+from aliascope.native import discrepancy, filters, samplers, uneven
 from aliascope.renderers import RENDERERS
 from aliascope.specs import Key
 
@@ -74,6 +74,13 @@ def _filters() -> Entries:
     ]
 
 
+def _weightings() -> Entries:
+    return [
+        {"name": info.name, "title": info.title, "source": info.source, "keys": list(info.parameters)}
+        for info in uneven.registered()
+    ]
+
+
 LISTS: Mapping[str, Callable[[], Entries]] = {
     "scenes": _scenes,
     "renderers": _renderers,
@@ -81,5 +88,6 @@ LISTS: Mapping[str, Callable[[], Entries]] = {
     "samplers": _samplers,
     "measures": _measures,
     "filters": _filters,
+    "weightings": _weightings,
     "metrics": _metrics,
 }
