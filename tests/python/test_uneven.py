@@ -329,5 +329,9 @@ def test_what_the_command_refuses() -> None:
     assert "48 samples, in the left half" in complaint("uneven", "jittered", code=2)
     with pytest.raises(InvalidInput, match="is not randomised: it has one realisation, not 5"):
         study(open_samples("halton", 16, None, 0), [], "box", 5)
+    with pytest.raises(InvalidInput, match="would take minutes"):
+        study(open_samples("random", 65536, 0.0, 0), ["area"], "lanczos")
+    with pytest.raises(InvalidInput, match="--crowd nan is no share"):
+        open_samples("random", 16, float("nan"), 0)
     with pytest.raises(SpecError, match="weighting"):
         study(open_samples("halton", 16, None, 0), ["areas"], "box")

@@ -33,8 +33,9 @@ ASC_API asc_status asc_uneven_weights(const asc_uneven_desc *desc, double *weigh
 
 /* Writes the areas of the Voronoi cells of n points (x, y), clipped to bounds = {left, bottom, right, top}, which hold
  * them; points at the same place share their cell in equal parts. Places are read to 2^-51 of half the longer side.
- * Takes time n log n. ASC_INVALID_ARGUMENT for no points or more than ASC_UNEVEN_MOST, one outside, or bounds without
- * area or not finite; ASC_OUT_OF_MEMORY. */
+ * Takes time n log n; n^2 at worst, where one cell borders on most others and mostly outside the bounds.
+ * ASC_INVALID_ARGUMENT for no points or more than ASC_UNEVEN_MOST, one outside, or bounds without area or not finite;
+ * ASC_OUT_OF_MEMORY. */
 ASC_API asc_status asc_voronoi_areas(const double *points, size_t n, const double bounds[4], double *areas,
                                      asc_error *error);
 

@@ -21,6 +21,8 @@ from aliascope.studies.uneven_samples import CrowdedSamples, StoredSamples
 Array = NDArray[np.float64]
 Samples = CrowdedSamples | StoredSamples
 REALISATIONS = 64
+MOST_SAMPLES = 20_000_000
+"""Of all realisations and methods together: half a minute to a minute."""
 POSITIONS = 129
 """Of the edge, evenly from one border of the filter's support to the other; the middle one is the pixel's centre."""
 
@@ -63,12 +65,18 @@ def study(samples: Samples, methods: Sequence[str], under: str, realisations: in
         raise InvalidInput(f"{samples.name} is not randomised: it has one realisation, not {realisations}")
     count = realisations or (REALISATIONS if samples.randomised else 1)
     chosen, own = filters.canonical(under), {info.name: info.filter for info in uneven.registered()}
-    outcomes = []
-    for method in dict.fromkeys(uneven.canonical(method) for method in methods or own):
+    under_which: dict[str, str] = {}
+    for method in (uneven.canonical(method) for method in methods or own):
         needed = own[method.split(":")[0]]
-        given = chosen if needed in (None, chosen.split(":")[0]) else needed
-        outcomes.append(_outcome(samples, count, method, given))
-    return Study(samples, count, tuple(outcomes))
+        under_which[method] = needed if needed and needed != chosen.split(":")[0] else chosen
+    total = count * sum(samples.count(filters.radius(given)) for given in under_which.values())
+    if total > MOST_SAMPLES:
+        raise InvalidInput(
+            f"{total} samples in all, with those that the filter reaches, would take minutes: "
+            f"take {MOST_SAMPLES} or fewer, by -n or --realisations"
+        )
+    outcomes = tuple(_outcome(samples, count, method, given) for method, given in under_which.items())
+    return Study(samples, count, outcomes)
 
 
 def _outcome(samples: Samples, realisations: int, method: str, under: str) -> Outcome:

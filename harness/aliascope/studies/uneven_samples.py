@@ -44,10 +44,16 @@ class CrowdedSamples:
 
     def realisation(self, index: int, radius: float) -> Array:
         """(samples, 2) in pixels from the pixel's centre, over [-radius, radius) either way."""
-        thin = round((self.n - self._crowded) * (2.0 * radius) ** 2)
-        even = self._part(thin, f"spread over {2.0 * radius:g} x {2.0 * radius:g} pixels", index)
+        even = self._part(self._thin(radius), f"spread over {2.0 * radius:g} x {2.0 * radius:g} pixels", index)
         crowd = self._part(self._crowded, "in the left half of one", 2**32 + index)
         return np.concatenate([radius * (2.0 * even - 1.0), (crowd - (1.0, 0.5)) * (0.5, 1.0)])
+
+    def count(self, radius: float) -> int:
+        """How many a realisation has."""
+        return self._crowded + self._thin(radius)
+
+    def _thin(self, radius: float) -> int:
+        return round((self.n - self._crowded) * (2.0 * radius) ** 2)
 
     def _part(self, count: int, where: str, seed: int) -> Array:
         if count == 0:
@@ -75,6 +81,10 @@ class StoredSamples:
     def title(self) -> str:
         return f"{self.name}, {self.n} samples"
 
+    def count(self, radius: float) -> int:
+        """How many there are, whatever the radius."""
+        return self.n
+
     def realisation(self, index: int, radius: float) -> Array:
         """(n, 2) in pixels from the pixel's centre, whatever the index."""
         return radius * (2.0 * self.points - 1.0)
@@ -82,6 +92,8 @@ class StoredSamples:
 
 def open_samples(source: str, n: int | None, crowd: float | None, seed: int) -> CrowdedSamples | StoredSamples:
     """None: not said. Raises the sampler's errors; InvalidInput for a file that cannot be read, or n or crowd of it."""
+    if crowd is not None and not 0.0 <= crowd <= 1.0:
+        raise InvalidInput(f"--crowd {crowd:g} is no share of the samples: 0 to 1")
     if not is_file(source):
         count = N if n is None else n
         return CrowdedSamples(samplers.canonical(source), count, CROWD if crowd is None else crowd, seed)
