@@ -2,7 +2,7 @@
 
 Everything that the commands do can be had from here, with numpy arrays: `aliascope.points("sobol", 16)`,
 `aliascope.point_statistics(points)`, `aliascope.render("edge", "embree", "uniform:n=16")`,
-`aliascope.error(image, reference)`.
+`aliascope.error(image, reference)`, `aliascope.uneven_weights(samples)`.
 """
 
 from __future__ import annotations
@@ -10,9 +10,31 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from aliascope.api import error, integrate, load_scene, point_spectrum, point_statistics, points, reference, render
+    from aliascope.api import (
+        error,
+        integrate,
+        load_scene,
+        point_spectrum,
+        point_statistics,
+        points,
+        reference,
+        render,
+        uneven_weights,
+        voronoi_areas,
+    )
 
-__all__ = ["error", "integrate", "load_scene", "point_spectrum", "point_statistics", "points", "reference", "render"]
+__all__ = [
+    "error",
+    "integrate",
+    "load_scene",
+    "point_spectrum",
+    "point_statistics",
+    "points",
+    "reference",
+    "render",
+    "uneven_weights",
+    "voronoi_areas",
+]
 
 
 def __getattr__(name: str) -> Any:

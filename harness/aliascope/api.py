@@ -11,13 +11,26 @@ from aliascope import metrics, point_sets, references, renderers, scene_io
 from aliascope.errors import Unsupported
 from aliascope.integration import integrate
 from aliascope.native.samplers import points
+from aliascope.native.uneven import voronoi_areas
+from aliascope.native.uneven import weights as uneven_weights
 from aliascope.point_sets import PointSpectrum, point_statistics
 from aliascope.records import Pixels, Rendering
 from aliascope.references import Reference
 from aliascope.renderers.base import Request, lacks
 from aliascope.scene_io import SceneFile
 
-__all__ = ["error", "integrate", "load_scene", "point_spectrum", "point_statistics", "points", "reference", "render"]
+__all__ = [
+    "error",
+    "integrate",
+    "load_scene",
+    "point_spectrum",
+    "point_statistics",
+    "points",
+    "reference",
+    "render",
+    "uneven_weights",
+    "voronoi_areas",
+]
 
 
 def load_scene(scene: str) -> SceneFile:

@@ -4,11 +4,29 @@ from __future__ import annotations
 
 import sys
 
-from aliascope.cli import about, comparing, integrating, pictures, plugins, sampling  # each registers its commands
+# Each registers its commands.
+from aliascope.cli import (
+    about,
+    comparing,
+    filtering,
+    integrating,
+    pictures,
+    plugins,
+    sampling,
+)
 from aliascope.cli.shared import app
 from aliascope.errors import AliascopeError, NotWritable
 
-__all__ = ["about", "comparing", "integrating", "main", "pictures", "plugins", "sampling"]
+__all__ = [
+    "about",
+    "comparing",
+    "filtering",
+    "integrating",
+    "main",
+    "pictures",
+    "plugins",
+    "sampling",
+]
 
 
 def _plugins_first(words: list[str]) -> list[str]:

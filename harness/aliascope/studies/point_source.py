@@ -89,13 +89,18 @@ class StoredPoints:
 PointSource = SampledPoints | StoredPoints
 
 
+def is_file(name: str) -> bool:
+    """A file has a slash or a suffix; else it is the spec of a sampler."""
+    return "/" in name or ("." in name and ":" not in name)
+
+
 def open_source(name: str, n: int | None, d: int | None, seed: int, pixel: tuple[int, int], first: int) -> PointSource:
     """A sampler's spec, for which n must be given and d is 2 if not; or a file, which has a slash or a suffix.
 
     Of a file: rows [first, first + n), to the end if n is not given, and the first d columns, or all. Raises the
     sampler's errors; InvalidInput for a file that cannot be read or has fewer rows or columns.
     """
-    if "/" in name or ("." in name and ":" not in name):
+    if is_file(name):
         values = read_points(Path(name))
         rows, columns = values.shape
         if first + (n or 1) > rows or (d or 1) > columns:
