@@ -1,8 +1,8 @@
 """aliascope: how well renderers antialias, and what that costs.
 
 Everything that the commands do can be had from here, with numpy arrays: `aliascope.points("sobol", 16)`,
-`aliascope.point_statistics(points)`, `aliascope.render("edge", "embree", "uniform:n=16")`,
-`aliascope.error(image, reference)`.
+`aliascope.discrepancy(points, "star").value`, `aliascope.point_statistics(points)`,
+`aliascope.render("edge", "embree", "uniform:n=16")`, `aliascope.error(image, reference)`.
 """
 
 from __future__ import annotations
@@ -10,9 +10,27 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from aliascope.api import error, load_scene, point_spectrum, point_statistics, points, reference, render
+    from aliascope.api import (
+        discrepancy,
+        error,
+        load_scene,
+        point_spectrum,
+        point_statistics,
+        points,
+        reference,
+        render,
+    )
 
-__all__ = ["error", "load_scene", "point_spectrum", "point_statistics", "points", "reference", "render"]
+__all__ = [
+    "discrepancy",
+    "error",
+    "load_scene",
+    "point_spectrum",
+    "point_statistics",
+    "points",
+    "reference",
+    "render",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -17,7 +17,6 @@ from matplotlib.image import imread
 from test_cli import complaint, run
 
 import aliascope
-from aliascope import point_sets
 from aliascope.studies import point_pictures as pictures
 
 
@@ -51,7 +50,7 @@ def test_statistics_are_those_of_the_points() -> None:
 def test_statistics_are_averaged_over_seeds_that_follow() -> None:
     found = document("jittered", "-n", "16", "--seed", str(2**64 - 2), "--statistics", "--realisations", "3")
     seeds = (2**64 - 2, 2**64 - 1, 0)
-    each = [point_sets.minimum_distance(aliascope.points("jittered", 16, seed=seed)) for seed in seeds]
+    each = [aliascope.discrepancy("jittered", "min-distance", n=16, seed=seed).value for seed in seeds]
     assert found["statistics"]["minimum-distance"] == pytest.approx(np.mean(each), rel=1e-12)
     error = found["details"]["standard-errors"]["minimum-distance"]
     assert error == pytest.approx(np.std(each, ddof=1) / np.sqrt(3), rel=1e-9)
@@ -80,10 +79,10 @@ def test_the_table_of_statistics() -> None:
     lines = run("points", "random", "-n", "5", "--statistics", "--realisations", "2").stdout.splitlines()
     assert lines[0] == "random: 5 points, dimensions 0, 1; mean of 2 realisations"
     assert " +- " in lines[1]
-    assert lines[-1].split(maxsplit=2) == ["t-value", "none", "a net in base 2 has a power of 2 points; 5 is none"]
+    assert lines[-1].split(maxsplit=2) == ["t-value", "none", "a net in base 2 has a power of 2 points; these are 5"]
     lines = run("points", "random", "-n", "1", "--statistics").stdout.splitlines()
     assert lines[0] == "random: 1 point, dimensions 0, 1; one realisation"
-    assert lines[1].endswith("one point has no distance to another")
+    assert lines[1].endswith("min-distance is of two points or more; this is one")
 
 
 # --- spectrum ---------------------------------------------------------------------------------------------------------
@@ -204,7 +203,7 @@ def test_options_that_make_no_sense(options: tuple[str, ...], says: str, tmp_pat
 
 def test_a_sampler_needs_n() -> None:
     assert "-n is missing" in complaint("points", "random", code=2)
-    assert "one point" not in complaint("points", "jittered", "-n", "12", "--statistics", code=2)
+    assert "two points" not in complaint("points", "jittered", "-n", "12", "--statistics", code=2)
 
 
 def test_json_comes_beside_a_file(tmp_path: Path) -> None:

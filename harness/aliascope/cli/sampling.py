@@ -99,6 +99,7 @@ def discrepancy(
     as_json: Json = False,
 ) -> None:
     """Measure the discrepancy of points: how far counts in boxes, half-planes, ... are from areas."""
+    from aliascope.point_sets import measure_all
     from aliascope.studies import discrepancy as study
     from aliascope.studies.delta import draw
     from aliascope.studies.point_source import open_source
@@ -112,7 +113,7 @@ def discrepancy(
         document |= {"projections": rows}
         lines = [f"{a}, {b}  {line}" for a, b, measured in found for line in study.lines(measured)]
     else:
-        measured = study.measure_all(points, specs, seed)
+        measured = measure_all(points, specs, seed)
         document |= study.document(measured)
         lines = study.lines(measured)
     if out is not None:
