@@ -149,15 +149,8 @@ def test_points_of_a_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "content", "says"),
     [
-        ("a.csv", "0.1,0.2\n0.3\n", "no table of numbers"),
-        ("a.csv", "x,y\n0.1,0.2\n", "no table of numbers"),
-        ("a.csv", "", "shape"),
-        ("a.csv", "0.1,0.2\n0.5,1.0\n", "point 1 is not in [0, 1): 0.5, 1"),
-        ("a.csv", "0.1,nan\n", "point 0 is not in [0, 1)"),
-        ("a.csv", "\udcff\udcfe\n", "no table of numbers"),
-        ("a.npy", "no array", "no table of numbers"),
-        ("a.npy", "", "no table of numbers"),
-        ("a.txt", "0.1,0.2\n", ".csv or .npy"),
+        ("a.csv", "0.1,0.2\n0.3\n", "a.csv:2: has 1 column"),
+        ("a.npy", "no array", "is no .npy file"),
         ("b.csv", None, "cannot be read"),
     ],
 )
@@ -165,6 +158,13 @@ def test_files_that_hold_no_points(tmp_path: Path, name: str, content: str | Non
     if content is not None:
         (tmp_path / name).write_bytes(content.encode("utf-8", "surrogateescape"))
     assert says in complaint("points", tmp_path / name, code=2)
+
+
+def test_statistics_are_of_a_torus_without_its_far_border(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("0.1,0.2\n0.5,1.0\n")
+    assert document(tmp_path / "a.csv")["points"] == [[0.1, 0.2], [0.5, 1.0]]
+    for option in ("--statistics", "--spectrum"):
+        assert "point 1 is not in [0, 1): 0.5, 1" in complaint("points", tmp_path / "a.csv", option, code=2)
 
 
 def test_points_that_a_file_does_not_have(tmp_path: Path) -> None:

@@ -15,6 +15,9 @@ Points = NDArray[np.float64]
 
 def outside(values: Points, closed: bool) -> int | None:
     """The first row that has a value outside [0, 1), of [0, 1] where `closed`, or no number; None if all are inside."""
+    # Without memory for an answer a row: NaN is neither least nor greatest, but comes out as both.
+    if values.size and values.min() >= 0.0 and (values.max() <= 1.0 if closed else values.max() < 1.0):
+        return None
     rows = np.flatnonzero(~((values >= 0.0) & ((values <= 1.0) if closed else (values < 1.0))).all(axis=1))
     return int(rows[0]) if rows.size else None
 
