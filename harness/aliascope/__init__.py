@@ -1,8 +1,9 @@
 """aliascope: how well renderers antialias, and what that costs.
 
 Everything that the commands do can be had from here, with numpy arrays: `aliascope.points("sobol", 16)`,
-`aliascope.point_statistics(points)`, `aliascope.render("edge", "embree", "uniform:n=16")`,
-`aliascope.error(image, reference)`, `aliascope.uneven_weights(samples)`.
+`aliascope.discrepancy(points, "star").value`, `aliascope.point_statistics(points)`,
+`aliascope.render("edge", "embree", "uniform:n=16")`, `aliascope.error(image, reference)`,
+`aliascope.uneven_weights(samples)`.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from aliascope.api import (
+        discrepancy,
         error,
         integrate,
         load_scene,
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
+    "discrepancy",
     "error",
     "integrate",
     "load_scene",

@@ -49,10 +49,14 @@ def _modes() -> Entries:
 class Registered(Protocol):
     """What the C library's registries say of each of theirs."""
 
-    name: str
-    title: str
-    source: str
-    parameters: tuple[str, ...]
+    @property
+    def name(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def source(self) -> str: ...
+    @property
+    def parameters(self) -> tuple[str, ...]: ...
 
 
 def _of(registered: Callable[[], Sequence[Registered]]) -> Callable[[], Entries]:
@@ -84,6 +88,8 @@ def _integrands() -> Entries:
             }
         )
     return found
+
+
 LISTS: Mapping[str, Callable[[], Entries]] = {
     "scenes": _scenes,
     "renderers": _renderers,

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from aliascope.errors import InvalidInput, Unsupported
 from aliascope.native import samplers
-from aliascope.studies.point_source import is_file, read_points
+from aliascope.studies.point_files import read_points
+from aliascope.studies.point_source import is_file
 
 Array = NDArray[np.float64]
 N = 64
@@ -97,7 +97,7 @@ def open_samples(source: str, n: int | None, crowd: float | None, seed: int) -> 
     if not is_file(source):
         count = N if n is None else n
         return CrowdedSamples(samplers.canonical(source), count, CROWD if crowd is None else crowd, seed)
-    points = read_points(Path(source))
+    points = read_points(source)
     if n is not None or crowd is not None:
         raise InvalidInput(
             f"-n and --crowd are a sampler's; the samples of {source} are as many and lie where they lie"
