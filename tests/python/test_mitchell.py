@@ -173,6 +173,10 @@ def test_chosen_columns_are_means_over_realisations() -> None:
         mitchell.columns_of(["sta"])
 
 
+def test_help_has_an_example() -> None:
+    assert "Example: aliascope mitchell" in run("mitchell", "--help").stdout
+
+
 def test_one_realisation_has_no_error() -> None:
     text = run("mitchell", "--realisations", "1", "--column", "edge-max:draws=16").stdout
     assert "unknown" in text
@@ -304,6 +308,15 @@ def test_the_hardware_table() -> None:
             known = discrepancy.measure("edge-rms", samplers.points("sgi-8x8", n)).value
             assert at["8x8-edge-rms", n]["mean"] == pytest.approx(known, rel=1e-12)
     assert at["regular", 4]["columns"]["half-plane"]["mean"] == pytest.approx(0.25)  # 1/(2k)
+
+
+def test_half_count_in_the_other_tables_too(tmp_path: Path) -> None:
+    text = run("mitchell", "--table", "hardware", "--half-count", "-o", tmp_path).stdout
+    value = discrepancy.measure("edge-rms", samplers.points("regular", 4)).value
+    shown = f"{math.hypot(value, 1 / 8):.4g}"
+    for where in (text, (tmp_path / "hardware.html").read_text()):
+        assert shown in where
+        assert "half a count added" in where
 
 
 @pytest.mark.parametrize("measure", ["edge-rms", "half-plane"])

@@ -18,7 +18,7 @@ from aliascope.report.teaching import PageTable, Panel, Section, TeachingPage, V
 from aliascope.studies import mitchell_text
 from aliascope.studies.mitchell import CONSTANT, COUNTS, MEASURE, PROCESSES, SHARE, Cell, Table
 from aliascope.studies.mitchell_series import plotted
-from aliascope.studies.mitchell_text import figure, plain, spread
+from aliascope.studies.mitchell_text import figure, plain, shown_measure, spread
 
 Array = NDArray[np.float64]
 SPECTRUM_COUNTS = (256, 1600)
@@ -238,11 +238,12 @@ def _lecture_files(name: str, pictures: Pictures) -> tuple[tuple[str, tuple[tupl
 
 
 def _samplers_page(table: Table, name: str) -> TeachingPage:
-    caption = "Discrepancy of random edges; where a sampler has no such count, of the nearest that it has, (N)"
+    half = table.options.half_count
+    caption = f"{shown_measure(half)}; where a sampler has no such count, of the nearest that it has, (N)"
     slopes = {each.process: each.fitted for each in table.slopes}
     rows = []
     for process in table.processes:
-        values = [_cell_value(cell) for cell in table.row(process)]
+        values = [_cell_value(cell, half) for cell in table.row(process)]
         rows.append((process, (*values, _slope(slopes[process]))))
     whole = PageTable(caption, ("sampler", *_counts(table), "exponent of N"), tuple(rows))
     lead = (
@@ -269,7 +270,7 @@ _SHARES_TEXT = (
 )
 
 
-def _cell_value(cell: Cell, half: bool = False) -> Value:
+def _cell_value(cell: Cell, half: bool) -> Value:
     if cell.reason:
         return Value("–", reason=cell.reason)
     value = _value(cell.shown(half))
@@ -286,14 +287,15 @@ def _hardware_page(table: Table, name: str) -> TeachingPage:
             cells = table.row(process)
             values = [_cell_value(cell, half) if spec == MEASURE else _column(cell, spec) for cell in cells]
             rows.append((process, tuple(replace(value, spread=value.spread.replace("exact", "")) for value in values)))
-        tables.append(PageTable(spec, ("pattern", *_counts(table)), tuple(rows)))
+        caption = shown_measure(half) if spec == MEASURE else spec
+        tables.append(PageTable(caption, ("pattern", *_counts(table)), tuple(rows)))
     panels = [_pattern_panel(cell, half) for process in table.processes for cell in table.row(process)]
     return TeachingPage(
         title="What a pixel's samples can be",
         lead=(
             "A pixel of multisampling hardware has 1 to 16 samples, the same in every pixel. The ordered grid, the "
             "standard locations of Vulkan and Direct3D, and the best sets on an 8 × 8 grid, as the SGI "
-            "InfiniteReality had it, at random edges. All figures are exact."
+            "InfiniteReality had it, at random edges. Figures without an error are exact."
         ),
         facts=_facts(table),
         sections=(

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Sequence
 
 from aliascope.records import Estimate
-from aliascope.studies.mitchell import CONSTANT, Cell, Table
+from aliascope.studies.mitchell import CONSTANT, MEASURE, Cell, Table
 
 NONE = "-"
 WIDTH = 100
@@ -168,7 +168,7 @@ def _by_count(table: Table) -> list[str]:
     fitted = {each.process: each.fitted for each in table.slopes}
     counts = [f"{n:,} point{'s' * (n > 1)}" for n in table.counts]
     exact = table.name == "hardware"  # so there is no need to say it of each
-    head = ["edge-rms", *counts, *(["exponent of N"] if fitted else [])]
+    head = [shown_measure(half), *counts, *(["exponent of N"] if fitted else [])]
     rows = [head]
     for process in table.processes:
         row = [process, *(_counted(cell, half, exact) for cell in table.row(process))]
@@ -205,6 +205,11 @@ def _with_error(estimate: Estimate, exact: bool) -> str:
 def _error(estimate: Estimate) -> str:
     text = spread(estimate)
     return f"+-{text}" if text and text[0].isdigit() else text.replace("unknown", "+-?")
+
+
+def shown_measure(half_count: bool) -> str:
+    """What the figures of a table are."""
+    return f"{MEASURE}, half a count added" if half_count else MEASURE
 
 
 def _not_there(table: Table) -> Notes:
