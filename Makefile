@@ -52,6 +52,11 @@ all: $(BINDINGS) $(PLUGIN) $(VERSIONED)
 compare: all
 	@$(VENV)/bin/aliascope compare --profile quick -o $(RESULTS)/compare
 
+## mitchell   measure Mitchell's table of random edges again, and write its page
+.PHONY: mitchell
+mitchell: all
+	@$(VENV)/bin/aliascope mitchell -o $(RESULTS)/mitchell
+
 ## test       every test: C (also under sanitizers), Python, browser
 .PHONY: test
 test: all

@@ -13,6 +13,7 @@ from aliascope.cli import (
     pictures,
     plugins,
     sampling,
+    teaching,
 )
 from aliascope.cli.shared import app
 from aliascope.errors import AliascopeError, NotWritable
@@ -26,6 +27,7 @@ __all__ = [
     "pictures",
     "plugins",
     "sampling",
+    "teaching",
 ]
 
 
