@@ -14,7 +14,7 @@ from scipy.stats import linregress, t
 from test_cli import complaint, run
 
 import aliascope
-from aliascope.errors import Unsupported
+from aliascope.errors import InvalidInput, Unsupported
 from aliascope.native.samplers import registered
 from aliascope.studies import orders as study
 from aliascope.studies.orders import At, Orders, fits, measure_orders
@@ -197,20 +197,28 @@ def test_pictures_of_all_dimensions_are_the_same_each_time(tmp_path: Path) -> No
     ("arguments", "says"),
     [
         (("halton", "--measure", "star"), "neither --measure nor --projections"),
-        (("halton", "--projections"), "neither --measure nor --projections"),
         (("./a.csv",), "--orders are those of a sampler"),
-        (("halton", "-d", "5"), "1 to 4 dimensions, not 5"),
-        (("halton", "--realisations", "3"), "is not randomised"),
-        (("halton", "-n", "255"), "a fit takes 5"),
-        (("halton", "-n", "8"), "-n 256 or more"),
-        (("standard-msaa",), "a fit takes 5"),
         (("halton", "-o", "a.csv"), "written as .svg or .png"),
-        (("haltn",), "did you mean"),
     ],
 )
-def test_what_has_no_orders(arguments: tuple[str, ...], says: str, tmp_path: Path) -> None:
+def test_options_that_do_not_go_together(arguments: tuple[str, ...], says: str, tmp_path: Path) -> None:
     assert says in complaint("discrepancy", *arguments, "--orders", code=2, cwd=tmp_path)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("spec", "d", "most", "realisations", "says"),
+    [
+        ("halton", 5, None, None, "1 to 4 dimensions, not 5"),
+        ("halton", 2, None, 3, "is not randomised"),
+        ("halton", 2, 255, None, "a fit takes 5"),
+        ("standard-msaa", 2, None, None, "a fit takes 5"),
+        ("haltn", 2, None, None, "did you mean"),
+    ],
+)
+def test_what_has_no_orders(spec: str, d: int, most: int | None, realisations: int | None, says: str) -> None:
+    with pytest.raises(InvalidInput, match=says):
+        measure_orders(spec, d, 0, most, realisations)
 
 
 def test_every_sampler_has_orders_or_says_why_not() -> None:
