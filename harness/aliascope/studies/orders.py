@@ -117,7 +117,11 @@ def measure_orders(
     """
     if not 1 <= d <= MOST_DIMENSIONS:
         raise Unsupported(f"--orders are of star, which is exact in 1 to {MOST_DIMENSIONS} dimensions, not {d}")
-    sampler = Sampler(spec, _counts(spec, d, 2 * LEAST_POINTS)[0], d, seed)
+    if most is not None and most < LEAST_POINTS << (LEAST_COUNTS - 1):
+        raise Unsupported(
+            f"-n {most}: a fit takes {LEAST_COUNTS} numbers of points from 16, 32, ... on, so -n 256 or more"
+        )
+    sampler = Sampler(spec, _counts(spec, d, 64 * LEAST_POINTS)[0], d, seed)
     if not sampler.randomised and (realisations or 1) > 1:
         raise Unsupported(f"{sampler.spec} is not randomised: it has one realisation, not {realisations}")
     rounds = (realisations or REALISATIONS) if sampler.randomised else 1
@@ -144,8 +148,8 @@ def _star(spec: str, n: int, d: int, seed: int) -> float:
 
 
 def _counts(spec: str, d: int, most: int) -> list[int]:
-    """One number of points in each [2^k, 2^(k+1)), up to `most`, where the pattern has any. Raises the first's refusal
-    where it has none."""
+    """One number of points in each [2^k, 2^(k+1)), up to `most`, where the pattern has any. Raises the refusal of the
+    first where it has none."""
     found, first = [], LEAST_POINTS
     while first <= most:
         for n in range(first, min(2 * first, most + 1)):
@@ -154,8 +158,7 @@ def _counts(spec: str, d: int, most: int) -> list[int]:
                 break
         first *= 2
     if not found:
-        Sampler(spec, LEAST_POINTS, d)
-        raise Unsupported(f"{spec} has none of the numbers of points from {LEAST_POINTS} to {most}")
+        Sampler(spec, LEAST_POINTS, d)  # says why
     return found
 
 
