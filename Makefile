@@ -127,13 +127,20 @@ $(OBJECTS)/%.o: csrc/%.c Makefile | $(BUILD)/system.stamp
 # The libraries are the release variant's; each names the folder it lies in as where to look for the others.
 SHARED = @$(call say,linking) && $(CC) -shared $(CFLAGS) $(filter %.o,$^) -Wl,--no-undefined -Wl,-rpath,'$$ORIGIN' -L$(LIBRARIES) -o $@
 
-$(LIBRARIES)/libaliascope.so: $(LIBRARY_OBJECTS)
+# What libaliascope exports: the functions that the headers declare. Hidden visibility leaves out of account what the
+# compiler adds where a function is compiled for several instruction sets.
+EXPORTS := $(BUILD)/exports.map
+$(EXPORTS): $(wildcard csrc/include/aliascope/*.h) Makefile
 	@mkdir -p $(@D)
-	$(SHARED) -Wl,-soname,libaliascope.so -lm -ldl
+	@{ echo '{ global:'; sed -n 's/^ASC_API .*[ *]\(asc_[a-z0-9_]*\)(.*/\1;/p' $(filter %.h,$^); echo 'local: *; };'; } >$@
 
-$(VERSIONED): $(LIBRARY_OBJECTS)
+$(LIBRARIES)/libaliascope.so: $(LIBRARY_OBJECTS) $(EXPORTS)
 	@mkdir -p $(@D)
-	@$(call say,linking) && $(CC) -shared $(CFLAGS) $^ -Wl,--no-undefined -Wl,-soname,$(SONAME) -o $@ -lm -ldl
+	$(SHARED) -Wl,--version-script=$(EXPORTS) -Wl,-soname,libaliascope.so -lm -ldl
+
+$(VERSIONED): $(LIBRARY_OBJECTS) $(EXPORTS)
+	@mkdir -p $(@D)
+	@$(call say,linking) && $(CC) -shared $(CFLAGS) $(filter %.o,$^) -Wl,--no-undefined -Wl,--version-script=$(EXPORTS) -Wl,-soname,$(SONAME) -o $@ -lm -ldl
 
 $(LIBRARIES)/libaliascope-tracer.so: $(TRACER_OBJECTS) $(LIBRARIES)/libaliascope.so
 	$(SHARED) -Wl,-soname,libaliascope-tracer.so -laliascope $(EMBREE) -lm

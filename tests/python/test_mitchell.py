@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_cli import complaint, run
+from commands import complaint, run
 
 from aliascope.errors import InvalidInput, SpecError
 from aliascope.native import discrepancy, samplers

@@ -11,7 +11,7 @@ import pytest
 from matplotlib.image import imread
 from scipy.optimize import curve_fit
 from scipy.stats import linregress, t
-from test_cli import complaint, run
+from commands import complaint, run
 
 import aliascope
 from aliascope.errors import InvalidInput, Unsupported

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from test_cli import COMMAND, complaint, run
+from commands import COMMAND, complaint, run
 
 import aliascope
 from aliascope.errors import InvalidInput

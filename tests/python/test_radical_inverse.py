@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from scipy.stats import qmc
-from test_cli import run
+from commands import run
 
 import aliascope
 from aliascope.studies import radical_inverse as study

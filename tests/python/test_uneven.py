@@ -14,7 +14,7 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 from scipy.spatial import Voronoi, cKDTree
-from test_cli import complaint, run
+from commands import complaint, run
 
 import aliascope
 from aliascope.errors import InvalidInput, JobFailed, SpecError, Unsupported

@@ -6,10 +6,9 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup, escape
 
-from aliascope.report.files import source
+from aliascope.report.files import environment, source
 
 THEMED: Mapping[str, str] = {
     "#16181b": "var(--ink)",
@@ -62,10 +61,10 @@ class Page:
 def page_html(page: Page) -> str:
     """The text of the page."""
     style = source("page.css") + source("lecture.css")
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters["formula"] = formula
+    pages = environment()
+    pages.filters["formula"] = formula
     # The plots' own style attributes are many and differ, so styles are allowed; scripts and loads are not.
-    return environment.from_string(source("lecture.html")).render(
+    return pages.from_string(source("lecture.html")).render(
         page=page,
         plots={figure.name: Markup(themed(figure.svg, figure.name)) for figure in page.figures},
         style=Markup(style),
