@@ -2,22 +2,26 @@
 
 They run in this process, which has loaded by then what each of them would load anew: their code is that of the program
 from its command line on, and warnings are errors there too. `separately` starts the program itself, for what hangs on
-the process: signals, pipes, plugins that are loaded.
+the process: signals, pipes, plugins that are loaded, what is written past Python.
 """
 
 from __future__ import annotations
 
 import contextlib
 import io
+import multiprocessing
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any, TypeVar
 from unittest.mock import patch
 
 from aliascope import cli
 
+Result = TypeVar("Result")
 COMMAND = [sys.executable, "-W", "error", "-m", "aliascope.cli"]
 
 
@@ -36,6 +40,12 @@ def run(
     terminal: bool = False,
 ) -> subprocess.CompletedProcess[str]:
     """`env`: in place of the environment; `terminal`: standard error is one."""
+    return checked(_unchecked(*arguments, env=env, cwd=cwd, terminal=terminal), code)
+
+
+def _unchecked(
+    *arguments: str | Path, env: Mapping[str, str] | None = None, cwd: Path | None = None, terminal: bool = False
+) -> subprocess.CompletedProcess[str]:
     words = list(map(str, arguments))
     out, err = io.StringIO(), Terminal() if terminal else io.StringIO()
     with (
@@ -50,13 +60,33 @@ def run(
             cli.main()
         except SystemExit as end:
             ended = end.code
-    result = subprocess.CompletedProcess(words, ended or 0, out.getvalue(), err.getvalue())  # type: ignore[arg-type]
-    return checked(result, code)
+    return subprocess.CompletedProcess(words, ended or 0, out.getvalue(), err.getvalue())  # type: ignore[arg-type]
 
 
 def separately(*arguments: str | Path, code: int = 0) -> subprocess.CompletedProcess[str]:
     command = [*COMMAND, *map(str, arguments)]
     return checked(subprocess.run(command, capture_output=True, text=True, timeout=300, check=False), code)
+
+
+def in_a_fork(function: Callable[..., Result], *arguments: Any) -> Result:
+    """What a function that starts no processes gives in one forked off this, quickly: what it needs is loaded."""
+    fork = multiprocessing.get_context("fork")
+    out, into = fork.Pipe(duplex=False)
+    process = fork.Process(target=_send, args=(into, function, arguments))
+    process.start()
+    into.close()
+    try:
+        assert out.poll(300), "no end"
+        found: Result = out.recv()
+    finally:
+        process.kill()
+        process.join()
+        process.close()
+    return found
+
+
+def _send(into: Connection, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    into.send(function(*arguments))
 
 
 def checked(result: subprocess.CompletedProcess[str], code: int) -> subprocess.CompletedProcess[str]:
