@@ -72,7 +72,11 @@ def test_student_quantiles_are_exact(degrees: float, p: float) -> None:
 @pytest.mark.parametrize(("degrees", "p"), list(itertools.product([1e9, 1e12], PS)))
 def test_student_quantiles_of_many_degrees(degrees: float, p: float) -> None:
     # Fisher's expansion (Abramowitz and Stegun 26.7.5); the term left off is below z^8/degrees^3 = 4e-15 of it.
-    z = mpmath.sqrt(2) * mpmath.erfinv(2 * mpmath.mpf(p) - 1) if 1e-12 < p < 1 - 1e-11 else mpmath.mpf(normal_quantile(p))
+    z = (
+        mpmath.sqrt(2) * mpmath.erfinv(2 * mpmath.mpf(p) - 1)
+        if 1e-12 < p < 1 - 1e-11
+        else mpmath.mpf(normal_quantile(p))
+    )
     expected = z + (z**3 + z) / (4 * degrees) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * degrees**2)
     assert student_t_quantile(p, degrees) == pytest.approx(float(expected), rel=CLOSE, abs=0)
 

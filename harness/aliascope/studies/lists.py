@@ -7,7 +7,7 @@ from typing import Any
 
 from aliascope import integrands, metrics, scene_io
 from aliascope.errors import NotAvailable
-from aliascope.native import discrepancy, filters, samplers
+from aliascope.native import discrepancy, estimate, filters, samplers
 from aliascope.renderers import RENDERERS
 from aliascope.specs import Key
 
@@ -74,6 +74,13 @@ def _filters() -> Entries:
     ]
 
 
+def _estimators() -> Entries:
+    return [
+        {"name": info.name, "title": info.title, "source": info.source, "keys": list(info.parameters)}
+        for info in estimate.registered()
+    ]
+
+
 def _integrands() -> Entries:
     found: Entries = []
     for kind in integrands.KINDS.values():
@@ -100,4 +107,5 @@ LISTS: Mapping[str, Callable[[], Entries]] = {
     "filters": _filters,
     "metrics": _metrics,
     "integrands": _integrands,
+    "estimators": _estimators,
 }
