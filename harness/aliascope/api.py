@@ -9,6 +9,7 @@ import numpy as np
 
 from aliascope import metrics, point_sets, references, renderers, scene_io
 from aliascope.errors import Unsupported
+from aliascope.integration import integrate
 from aliascope.native.estimate import Estimates, Estimator, Integrand
 from aliascope.native.samplers import points
 from aliascope.point_sets import PointSpectrum, point_statistics
@@ -17,7 +18,17 @@ from aliascope.references import Reference
 from aliascope.renderers.base import Request, lacks
 from aliascope.scene_io import SceneFile
 
-__all__ = ["error", "estimate", "load_scene", "point_spectrum", "point_statistics", "points", "reference", "render"]
+__all__ = [
+    "error",
+    "estimate",
+    "integrate",
+    "load_scene",
+    "point_spectrum",
+    "point_statistics",
+    "points",
+    "reference",
+    "render",
+]
 
 
 def load_scene(scene: str) -> SceneFile:

@@ -67,6 +67,12 @@ class Sampler:
         library = self._library
         return bool(library.lib.asc_sampler_traits(self.handle) & library.lib.ASC_TRAIT_RANDOMISED)
 
+    @property
+    def weighted(self) -> bool:
+        """Whether this is a rule of quadrature, whose points have weights other than 1/N."""
+        library = self._library
+        return bool(library.lib.asc_sampler_traits(self.handle) & library.lib.ASC_TRAIT_WEIGHTED)
+
 
 def canonical(spec: str) -> str:
     """The canonical form of a sampler's spec. Raises SpecError."""
