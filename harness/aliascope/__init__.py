@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from aliascope.api import (
         discrepancy,
         error,
+        estimate,
         integrate,
         load_scene,
         point_spectrum,
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 __all__ = [
     "discrepancy",
     "error",
+    "estimate",
     "integrate",
     "load_scene",
     "point_spectrum",

@@ -61,6 +61,10 @@ static void pixels_do_not_depend_on_their_group(void **state) {
       assert_memory_equal(alone.degrees, whole.degrees + i, sizeof *alone.degrees);
       assert_int_equal(alone.counts[0], whole.counts[i]);
       assert_true(alone.counts[0] <= SAMPLES);
+      /* The integrand was told the pixel: its second channel is in [y, y + 1), its first is 0 up to column 0, and in
+       * column 5 an edge through the middle. */
+      assert_true(alone.means[1] >= one.y && alone.means[1] < one.y + 1.0);
+      if (one.x <= 0 || one.x == 5) assert_true((alone.means[0] > 0.0) == (one.x == 5));
     }
     asc_estimator_destroy(estimator);
   }

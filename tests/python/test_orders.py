@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import complaint, run
 from matplotlib.image import imread
 from scipy.optimize import curve_fit
 from scipy.stats import linregress, t
-from commands import complaint, run
 
 import aliascope
 from aliascope.errors import InvalidInput, Unsupported

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import COMMAND, complaint, run
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from commands import COMMAND, complaint, run
 
 import aliascope
 from aliascope.errors import InvalidInput

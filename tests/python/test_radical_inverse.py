@@ -7,8 +7,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from scipy.stats import qmc
 from commands import run
+from scipy.stats import qmc
 
 import aliascope
 from aliascope.studies import radical_inverse as study

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from commands import complaint, run
 from numpy.typing import NDArray
 from scipy.spatial import Voronoi, cKDTree
-from commands import complaint, run
 
 import aliascope
 from aliascope.errors import InvalidInput, JobFailed, SpecError, Unsupported

@@ -8,6 +8,7 @@ import sys
 from aliascope.cli import (
     about,
     comparing,
+    estimating,
     filtering,
     integrating,
     pictures,
@@ -21,6 +22,7 @@ from aliascope.errors import AliascopeError, NotWritable
 __all__ = [
     "about",
     "comparing",
+    "estimating",
     "filtering",
     "integrating",
     "main",

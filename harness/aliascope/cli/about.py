@@ -10,7 +10,10 @@ from aliascope.cli.shared import Json, app, print_json
 from aliascope.errors import InvalidInput, near_misses
 
 # The keys of studies.lists.LISTS, which takes the renderers' modules with it; a test holds them equal.
-LISTED = (*("scenes", "renderers", "modes", "samplers", "measures", "filters", "weightings", "metrics", "integrands"),)
+LISTED = (
+    *("scenes", "renderers", "modes", "samplers", "measures", "filters", "weightings", "metrics", "integrands"),
+    "estimators",
+)
 
 
 @app.command("list", epilog="Example: aliascope list modes")

@@ -174,7 +174,8 @@ class _Call:
         self.error: BaseException | None = None
 
     def answer(self, ffi: Any, count: int, points: Any, values: Any) -> None:
-        given = np.frombuffer(ffi.buffer(points, 8 * count * self.dimensions)).reshape(count, self.dimensions)
+        # A copy: the memory is the library's, and the integrand may keep what it is given.
+        given = np.frombuffer(ffi.buffer(points, 8 * count * self.dimensions)).reshape(count, self.dimensions).copy()
         found = np.asarray(self.integrand(given), np.float64)
         if found.shape != (count, self.channels) and not (self.channels == 1 and found.shape == (count,)):
             raise InvalidInput(

@@ -3,20 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup, escape
 
 from aliascope.report.files import environment, source
-
-THEMED: Mapping[str, str] = {
-    "#16181b": "var(--ink)",
-    "#5a6067": "var(--soft)",
-    "#d9d9d3": "var(--rule)",
-    "#ffffff": "var(--paper)",
-}
-"""The colours of a plot that change with the page's theme."""
+from aliascope.report.inline_svg import inline
 
 
 @dataclass(frozen=True)
@@ -66,7 +59,7 @@ def page_html(page: Page) -> str:
     # The plots' own style attributes are many and differ, so styles are allowed; scripts and loads are not.
     return pages.from_string(source("lecture.html")).render(
         page=page,
-        plots={figure.name: Markup(themed(figure.svg, figure.name)) for figure in page.figures},
+        plots={figure.name: Markup(inline(figure.svg, figure.name)) for figure in page.figures},
         style=Markup(style),
         policy="default-src 'none'; style-src 'unsafe-inline'",
     )
@@ -78,17 +71,3 @@ def formula(text: str) -> Markup:
     safe = re.sub(r"\^\(?(-?[\d./d]+)\)?", r"<sup>\1</sup>", safe)
     safe = safe.replace("D_N", "D<sub>N</sub>").replace("&lt;=", "≤").replace("~ N", "∼ N")
     return Markup(re.sub(r"(?<![\w-])-(?=[\d.])", "\u2212", safe))
-
-
-def themed(svg: str, name: str) -> str:
-    """A plot as part of a page: its own element alone, colours of the theme, ids that no other plot has."""
-    body = svg[svg.index("<svg") :]
-    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
-    body = re.sub(r'\b(id="|xlink:href="#|url\(#)', rf"\g<1>{name}-", body)
-    for colour, variable in THEMED.items():
-        body = body.replace(colour, variable)
-    return re.sub(r'<svg [^>]*?(viewBox="[^"]*")[^>]*>', _opening(name), body, count=1)
-
-
-def _opening(name: str) -> str:
-    return rf'<svg xmlns:xlink="http://www.w3.org/1999/xlink" \1 role="img" aria-labelledby="{name}-title">'

@@ -11,10 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter
 
 from aliascope.integration import Convergence, ErrorAt
+from aliascope.report.inline_svg import INK, PAPER, RULE, SOFT
 from aliascope.report.plots import limits, power_of_ten, svg_of
 
-INK, SOFT, RULE, PAPER = "#16181b", "#5a6067", "#d9d9d3", "#ffffff"
-"""Of text, ticks, grid and ground; a page puts its own theme's in their place."""
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 MARKERS = "os^Dv"
 

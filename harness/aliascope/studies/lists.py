@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 from aliascope import integrands, metrics, scene_io
 from aliascope.errors import NotAvailable
-from aliascope.native import discrepancy, filters, samplers, uneven
+from aliascope.native import discrepancy, estimate, filters, samplers, uneven
 from aliascope.renderers import RENDERERS
 from aliascope.specs import Key
 
@@ -100,4 +100,5 @@ LISTS: Mapping[str, Callable[[], Entries]] = {
     "weightings": _of(uneven.registered),
     "metrics": _metrics,
     "integrands": _integrands,
+    "estimators": _of(estimate.registered),
 }
