@@ -19,10 +19,12 @@ import pytest
 from commands import COMMAND, complaint, run, separately
 
 from aliascope import places, plan, references, renderers
+from aliascope.cli.about import LISTED
 from aliascope.errors import CheckFailed
 from aliascope.image import read_header, read_image, write_exr
 from aliascope.studies import selection
 from aliascope.studies.compare import reference_of
+from aliascope.studies.lists import LISTS
 
 QUICK = ("-m", "uniform:n=1", "-m", "none", "-m", "msaa:n=4")
 """One cheap mode of each renderer: of the tracer a picture a seed, "none" of POV-Ray and OSMesa, and "msaa"."""
@@ -95,14 +97,20 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
 
 
 def test_lists_are_the_registries() -> None:
-    for what, expected in (
-        ("scenes", "edge"),
-        ("renderers", "osmesa"),
-        ("modes", "am2"),
-        ("samplers", "sobol"),
-        ("metrics", "relative-mse"),
-        ("filters", "box"),
-    ):
+    examples = {
+        "scenes": "edge",
+        "renderers": "osmesa",
+        "modes": "am2",
+        "samplers": "sobol",
+        "measures": "star",
+        "filters": "box",
+        "weightings": "area",
+        "metrics": "relative-mse",
+        "integrands": "edge",
+        "estimators": "student-t",
+    }
+    assert tuple(examples) == tuple(LISTS) == LISTED
+    for what, expected in examples.items():
         entries = json.loads(run("list", what, "--json").stdout)[what]
         assert expected in {entry["name"] for entry in entries}
         assert expected in run("list", what).stdout
