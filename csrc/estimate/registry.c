@@ -10,6 +10,9 @@
   X(fixed) \
   X(student_t) \
   X(chi_squared) \
+  X(mitchell) \
+  X(kajiya) \
+  X(whitted) \
   /* end of the list */
 /* clang-format on */
 
@@ -107,6 +110,7 @@ asc_status asc_estimator_create(const asc_estimator_desc *desc, asc_estimator **
 void asc_estimator_destroy(asc_estimator *made) {
   if (!made) return;
   asc_criterion_free(&made->criterion);
+  asc_sampler_destroy(made->fresh);
   free(made);
 }
 
