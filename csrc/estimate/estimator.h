@@ -57,8 +57,9 @@ asc_status asc_take(const asc_estimator *self, const asc_draw *draws, size_t cou
 /* What is said of a value that cannot be added. Returns `status`. */
 asc_status asc_fail_value(asc_error *error, asc_status status, asc_pixel pixel);
 
-/* Makes `fresh`, the same pattern with another seed: Kirk and Arvo 1991 ask for samples that know nothing of those that
- * decided, and the next points of a sequence lie where its first do not. ASC_UNSUPPORTED for a pattern without seed. */
+/* Makes `fresh`, the same pattern with the seed xor 0x9e3779b97f4a7c15: Kirk and Arvo 1991 ask for samples that know
+ * nothing of those that decided, and the next points of a sequence lie where its first do not. ASC_UNSUPPORTED for a
+ * pattern without seed. */
 asc_status asc_prepare_fresh(asc_estimator *self, asc_error *error);
 
 /* The pixel with this number in its group. */

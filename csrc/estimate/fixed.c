@@ -56,7 +56,8 @@ static asc_status run_rule(const asc_estimator *self, const asc_group *group, as
                            asc_estimates *made, asc_error *error) {
   double *work = malloc((size_t)RULE_AT_ONCE * (self->dimensions + self->channels + 1) * sizeof *work);
   asc_pixel *pixels = malloc(RULE_AT_ONCE * sizeof *pixels);
-  asc_status status = work && pixels ? ASC_OK : asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
+  asc_status status = work && pixels ? ASC_OK : ASC_OUT_OF_MEMORY;
+  if (status) (void)asc_fail(error, status, "out of memory");
   for (size_t i = 0; i < (size_t)group->columns * group->rows && status == ASC_OK; i++) {
     const asc_pixel pixel = asc_pixel_of(group, i);
     status = apply_rule(self, pixel, integrand, context, work, pixels, made->means + i * self->channels);
@@ -77,7 +78,8 @@ static asc_status run(const asc_estimator *self, const asc_group *group, asc_int
   const size_t pixels = (size_t)group->columns * group->rows;
   asc_draw *draws = calloc(pixels, sizeof *draws);
   asc_tally *tallies = calloc(pixels, self->channels * sizeof *tallies);
-  asc_status status = draws && tallies ? ASC_OK : asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
+  asc_status status = draws && tallies ? ASC_OK : ASC_OUT_OF_MEMORY;
+  if (status) (void)asc_fail(error, status, "out of memory");
   for (size_t i = 0; i < pixels && status == ASC_OK; i++)
     draws[i] = (asc_draw){.pixel = asc_pixel_of(group, i), .count = self->samples, .to = tallies + i * self->channels};
   if (status == ASC_OK) status = asc_take(self, draws, pixels, integrand, context, error);

@@ -56,7 +56,10 @@ asc_status asc_normal_quantile(double p, double *x) {
 
 static long double log_gamma(long double z) {
   long double product = 1.0L;
-  for (; z < 24.0L; z += 1.0L) product *= z;
+  while (z < 24.0L) {
+    product *= z;
+    z += 1.0L;
+  }
   /* B_2k/(2k (2k - 1)); the next term is below 1e-20. */
   static const long double series[] = {1.0L / 12,   -1.0L / 360,      1.0L / 1260, -1.0L / 1680,
                                        1.0L / 1188, -691.0L / 360360, 1.0L / 156,  -3617.0L / 122400};
@@ -140,14 +143,13 @@ static long double student_many(long double q, long double degrees, long double 
   for (int n = 1; n < HALF; n++) {
     inverse[n] = -inverse[n - 1] / (n + 1);
     for (int j = 1; j <= n; j++) h[n] += (-0.5L * j - (n - j)) * inverse[j] * h[n - j] / n;
-    law.series[2 * n] = h[n];
+    law.series[n + n] = h[n];
   }
   return q > MIDDLE ? asc_near_normal_body(&law, 0.5L - q, start) : asc_near_normal_tail(&law, q, start);
 }
 
 /* t with P(T > t) = q for q below 1/2. */
 static long double student_upper(long double q, long double degrees) {
-  if (degrees == 1.0L) return 1.0L / tanl(PI * q);
   const long double w = normal_upper(q) / sqrtl(degrees);
   if (degrees < MANY) return student_few(q, degrees, sqrtl(degrees * expm1l(w * w)));
   const long double found = student_many(q, degrees, w);

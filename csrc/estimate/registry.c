@@ -8,6 +8,7 @@
 /* clang-format off */
 #define ESTIMATORS(X) \
   X(fixed) \
+  X(stratified) \
   X(student_t) \
   X(chi_squared) \
   X(mitchell) \
@@ -49,7 +50,8 @@ static asc_status resolve(asc_estimator *made, const char *spec, asc_error *erro
     status = asc_spec_canonical(&form, made->values, made->spec);
     return status ? asc_fail(error, status, "out of memory") : ASC_OK;
   }
-  return asc_spec_unknown("estimator", name, names, COUNT, error);
+  (void)asc_spec_unknown("estimator", name, names, COUNT, error);
+  return ASC_UNKNOWN_NAME;
 }
 
 asc_status asc_estimator_canonical(const char *spec, char *canonical, size_t capacity, asc_error *error) {

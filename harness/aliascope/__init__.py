@@ -10,9 +10,29 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from aliascope.api import error, load_scene, point_spectrum, point_statistics, points, reference, render
+    from aliascope.api import (
+        error,
+        estimate,
+        integrate,
+        load_scene,
+        point_spectrum,
+        point_statistics,
+        points,
+        reference,
+        render,
+    )
 
-__all__ = ["error", "load_scene", "point_spectrum", "point_statistics", "points", "reference", "render"]
+__all__ = [
+    "error",
+    "estimate",
+    "integrate",
+    "load_scene",
+    "point_spectrum",
+    "point_statistics",
+    "points",
+    "reference",
+    "render",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -9,6 +9,8 @@ import numpy as np
 
 from aliascope import metrics, point_sets, references, renderers, scene_io
 from aliascope.errors import Unsupported
+from aliascope.integration import integrate
+from aliascope.native.estimate import Estimates, Estimator, Integrand
 from aliascope.native.samplers import points
 from aliascope.point_sets import PointSpectrum, point_statistics
 from aliascope.records import Pixels, Rendering
@@ -16,7 +18,17 @@ from aliascope.references import Reference
 from aliascope.renderers.base import Request, lacks
 from aliascope.scene_io import SceneFile
 
-__all__ = ["error", "load_scene", "point_spectrum", "point_statistics", "points", "reference", "render"]
+__all__ = [
+    "error",
+    "estimate",
+    "integrate",
+    "load_scene",
+    "point_spectrum",
+    "point_statistics",
+    "points",
+    "reference",
+    "render",
+]
 
 
 def load_scene(scene: str) -> SceneFile:
@@ -60,6 +72,28 @@ def reference(scene: str | SceneFile, *, size: tuple[int, int] | None = None) ->
 def error(image: Pixels, reference: Pixels) -> dict[str, float | None]:
     """The metrics of a picture (height, width, channels) against its reference, by name."""
     return {name: measured.value for name, measured in metrics.measure(image, reference).items()}
+
+
+def estimate(
+    integrand: Integrand,
+    estimator: str = "fixed",
+    sampler: str = "random",
+    n: int = 1024,
+    *,
+    dimensions: int = 2,
+    channels: int = 1,
+    seed: int = 0,
+    group: tuple[int, int, int, int] = (0, 0, 1, 1),
+) -> Estimates:
+    """The integral over the unit cube of a function of points (count, dimensions) that gives (count, channels).
+
+    n: the most samples; group: pixels (x, y, columns, rows), each an estimate with samples of its own. Raises
+    SpecError, Unsupported for a sampler that the estimator cannot use, and what the integrand raises.
+
+    >>> float(estimate(lambda x: x[:, 0] ** 3, sampler="gauss-legendre", n=4).means[0, 0, 0])
+    0.25
+    """
+    return Estimator(estimator, sampler, n, dimensions, channels, seed).estimate(integrand, group)
 
 
 def point_spectrum(points: Any | Iterable[Any], cut_off: int | None = None) -> PointSpectrum:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from aliascope.records import Estimate
 
@@ -50,3 +51,61 @@ def rate(counts: Sequence[float], errors: Sequence[float]) -> Rate | None:
     x, y = np.array(pairs).T
     fit = linregress(x, y)
     return Rate(float(fit.slope), float(fit.stderr), math.exp(float(fit.intercept)))
+
+
+@dataclass(frozen=True)
+class FittedRate:
+    """error = constant * n^exponent over [least_n, most_n], with a 95 % interval of the exponent.
+
+    curved: the points lie on a bend, at 1 % significance; the interval then takes in the slopes of the bend at both
+    ends, so that it holds the rate at least_n and at most_n. local: the slope at most_n, of the bend if there is one.
+    """
+
+    exponent: float
+    interval: tuple[float, float]
+    constant: float
+    least_n: int
+    most_n: int
+    count: int
+    curved: bool
+    local: float
+
+
+def fit_rate(counts: Sequence[int], errors: Sequence[float], standard_errors: Sequence[float]) -> FittedRate:
+    """The power law through three or more (n, error), all above 0, by weighted least squares of the logarithms.
+
+    Weights are those of the standard errors, or equal where one of them is 0. The interval is Student's, with the
+    scatter about the line in it where that is larger than the standard errors account for (Birge 1932). Raises
+    ValueError for fewer than three.
+    """
+    from scipy.special import stdtrit  # the quantiles alone; scipy.stats takes a second to load
+
+    x, y = np.log(np.array(counts, dtype=np.float64)), np.log(np.array(errors))
+    if len(set(counts)) < 3:
+        raise ValueError("a rate is of three numbers of points or more")
+    spread = np.array(standard_errors) / np.array(errors)
+    weighted = bool((spread > 0.0).all())
+    spread = spread if weighted else np.ones_like(x)
+    middle = float(np.average(x, weights=spread**-2.0))
+    line, line_error = _least_squares(x - middle, y, spread, 1, weighted)
+    half = float(stdtrit(len(x) - 2, 0.975)) * line_error
+    low, high, local, curved = line[1] - half, line[1] + half, line[1], False
+    if len(x) >= 5:
+        bend, bend_error = _least_squares(x - middle, y, spread, 2, weighted)
+        if abs(bend[2]) > float(stdtrit(len(x) - 3, 0.995)) * bend_error:
+            ends = [bend[1] + 2.0 * bend[2] * (end - middle) for end in (x.min(), x.max())]
+            low, high, local, curved = min(low, *ends), max(high, *ends), ends[1], True
+    constant = math.exp(line[0] - line[1] * middle)
+    return FittedRate(line[1], (low, high), constant, min(counts), max(counts), len(x), curved, local)
+
+
+def _least_squares(
+    x: NDArray[np.float64], y: NDArray[np.float64], spread: NDArray[np.float64], degree: int, weighted: bool
+) -> tuple[list[float], float]:
+    """The coefficients of a polynomial, constant first, and the standard error of the last."""
+    design = np.vander(x, degree + 1, increasing=True) / spread[:, None]
+    covariance = np.linalg.inv(design.T @ design)
+    found = covariance @ (design.T @ (y / spread))
+    free = len(x) - degree - 1
+    scatter = float((((y / spread) - design @ found) ** 2).sum()) / free if free else 0.0
+    return found.tolist(), math.sqrt(covariance[-1, -1] * (max(1.0, scatter) if weighted else scatter))

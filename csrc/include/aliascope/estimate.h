@@ -8,6 +8,7 @@
 
 #include "aliascope/base.h"
 #include "aliascope/sampler.h"
+#include "aliascope/warp.h"
 
 /* ---- Moments of values that come one after the other ----
  *
@@ -54,6 +55,36 @@ ASC_API asc_status asc_student_t_quantile(double p, double degrees, double *x);
 ASC_API asc_status asc_chi_squared_quantile(double p, double degrees, double *x);
 ASC_API asc_status asc_chi_squared_upper_quantile(double q, double degrees, double *x);
 
+/* ---- Strata: parts of the domain, each with samples of its own ---- */
+
+typedef struct asc_stratum {
+  double size; /* area, or what share of the domain it is: positive */
+  asc_moments moments;
+} asc_stratum;
+
+typedef struct asc_stratified {
+  double mean;           /* over the whole domain: the sum of size times mean, over the sum of sizes */
+  double standard_error; /* of the mean */
+  double degrees; /* of freedom that it has about, for Student's t (Satterthwaite 1946; Cochran 1977, eq. 5.16) */
+} asc_stratified;
+
+/* With w_j the share of stratum j, F_j the mean of its n_j independent values and s_j^2 their variance,
+ *
+ *   F = sum of w_j F_j,   V[F] = sum of w_j^2 V[F_j],   V[F_j] = V_j/n_j, estimated by s_j^2/n_j   (Cochran 1977,
+ * eq. 5.7)
+ *
+ * and where w_j = n_j/N, as on the lecture's page "Stratified Sampling", V[F] = 1/N^2 sum of n_j V_j, V_j being the
+ * variance of one value (the page prints 1/N sum of N_j V[F_j] and goes on with 1/N^2 for its edge, which is right).
+ *
+ * A stratum of one value shows no variance. Such strata are collapsed in pairs, in the order given, the last three
+ * together where their number is odd: L of them add L/(L - 1) times the squares of w_j F_j about their mean (Cochran
+ * 1977, section 5A.12). That is too much by what the strata themselves differ, so put neighbours next to each other. A
+ * single stratum of one value among others leaves the standard error NaN.
+ *
+ * ASC_INVALID_ARGUMENT for no strata, a size that is not positive and finite, a stratum without values;
+ * ASC_OUT_OF_MEMORY; ASC_NUMERIC where a result is too large. */
+ASC_API asc_status asc_stratify(const asc_stratum *strata, size_t count, asc_stratified *made);
+
 /* ---- Integrands and estimators ---- */
 
 /* Pixels [x, x + columns) x [y, y + rows), numbered row by row. Each is an integral of its own over the unit cube, of
@@ -63,13 +94,38 @@ typedef struct asc_group {
   uint32_t columns, rows;
 } asc_group;
 
-/* Writes the integrand's values, [count][channels], at `count` samples: `points` are [count][dimensions] in [0, 1),
- * sample i being one of pixel `pixels[i]` = (x, y). Anything but ASC_OK ends the estimate and is given on. */
 typedef struct asc_pixel {
   int32_t x, y;
 } asc_pixel;
+
+/* Writes the integrand's values, [count][channels], at `count` samples: `points` are [count][dimensions] in [0, 1),
+ * sample i being one of pixel `pixels[i]`. Anything but ASC_OK ends the estimate and is given on. */
 typedef asc_status (*asc_integrand)(void *context, size_t count, const asc_pixel *pixels, const double *points,
                                     double *values);
+
+/* Importance sampling: the integral of f as the mean of f(x)/p(x), x of density p.
+ *
+ * asc_importance_values is an asc_integrand whose context is an asc_importance; it can be given to every estimator. It
+ * turns points u of the sampler into x, asks the inner integrand there, and divides by the density. p must not be 0
+ * where f is not, or that part is missing. A sample of density 0, as the edge of a warp's square may give, is one where
+ * nothing can be: its value is 0. ASC_NUMERIC for a density that is negative or not finite, ASC_OUT_OF_MEMORY, and what
+ * the callbacks give. */
+typedef asc_status (*asc_warping)(const void *context, size_t count, const double *u, double *points, double *pdf);
+
+typedef struct asc_importance {
+  uint32_t point_dimensions; /* of x: 3 for a direction */
+  uint32_t channels;
+  asc_warping warp; /* writes points [count][point_dimensions] and their densities [count] */
+  const void *warp_context;
+  asc_integrand integrand; /* gets x */
+  void *context;
+} asc_importance;
+
+ASC_API asc_status asc_importance_values(void *importance, size_t count, const asc_pixel *pixels, const double *u,
+                                         double *values);
+
+/* An asc_warping whose context is an asc_density. */
+ASC_API asc_status asc_density_warping(const void *density, size_t count, const double *u, double *points, double *pdf);
 
 typedef struct asc_estimator asc_estimator;
 

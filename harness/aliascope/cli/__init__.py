@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import sys
 
-from aliascope.cli import about, comparing, pictures, plugins, sampling  # each registers its commands
+from aliascope.cli import (
+    about,
+    comparing,
+    estimating,
+    integrating,
+    pictures,
+    plugins,
+    sampling,
+)  # each registers its commands
 from aliascope.cli.shared import app
 from aliascope.errors import AliascopeError, NotWritable
 
-__all__ = ["about", "comparing", "main", "pictures", "plugins", "sampling"]
+__all__ = ["about", "comparing", "estimating", "integrating", "main", "pictures", "plugins", "sampling"]
 
 
 def _plugins_first(words: list[str]) -> list[str]:

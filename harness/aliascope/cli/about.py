@@ -12,10 +12,13 @@ from aliascope.errors import InvalidInput, near_misses
 
 @app.command("list", epilog="Example: aliascope list modes")
 def list_(
-    what: Annotated[str, typer.Argument(metavar="scenes|renderers|modes|samplers|measures|filters|metrics")],
+    what: Annotated[
+        str,
+        typer.Argument(metavar="scenes|renderers|modes|samplers|measures|filters|metrics|integrands|estimators"),
+    ],
     as_json: Json = False,
 ) -> None:
-    """List what there is: scenes, renderers, modes, samplers, measures, filters or metrics."""
+    """List what there is: scenes, renderers, modes, samplers, measures, filters, metrics, integrands or estimators."""
     from aliascope.studies.lists import LISTS
 
     if what not in LISTS:

@@ -20,17 +20,28 @@ INCLUDE = [SOURCE / "include", SOURCE / "tracer", SOURCE / "raster"]
 MODULES = {
     "_sampler": (
         "aliascope",
-        ["aliascope/plugin.h", "aliascope/filter.h", "aliascope/discrepancy.h", "aliascope/warp.h", "aliascope/estimate.h"],
+        [
+            "aliascope/plugin.h",
+            "aliascope/filter.h",
+            "aliascope/discrepancy.h",
+            "aliascope/warp.h",
+            "aliascope/estimate.h",
+        ],
     ),
     "_tracer": ("aliascope-tracer", ["tracer.h"]),
     "_raster": ("aliascope-raster", ["raster.h"]),
 }
 
 
-CONSTANTS = {
-    "_sampler": "static const uint32_t ASC_ABI_VERSION; static char *const ASC_SAMPLER_INTERFACE_ID;",
+ADDITIONS = {
+    "_sampler": """
+        static const uint32_t ASC_ABI_VERSION; static char *const ASC_SAMPLER_INTERFACE_ID;
+        extern "Python" asc_status aliascope_integrand(void *context, size_t count, const asc_pixel *pixels,
+                                                       const double *points, double *values);
+    """,
 }
-"""Macros that Python reads: the preprocessor leaves nothing of them. The compiler fills in their values."""
+"""Macros that Python reads, of which the preprocessor leaves nothing (the compiler fills in their values), and what C
+calls in Python."""
 
 
 def declarations(headers: list[str]) -> str:
@@ -52,7 +63,7 @@ def main() -> None:
     scratch = Path(sys.argv[1])
     for name, (library, headers) in MODULES.items():
         builder = FFI()
-        builder.cdef(declarations(headers) + CONSTANTS.get(name, ""))
+        builder.cdef(declarations(headers) + ADDITIONS.get(name, ""))
         builder.set_source(
             f"aliascope.native.{name}",
             "".join(f'#include "{header}"\n' for header in headers),

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from aliascope.errors import InvalidInput
-from aliascope.native.loading import check, error_box, module
+from aliascope.native.loading import check, error_box, keys, module, text
 
 CERTAINTIES = ("exact", "bounds", "estimated")
 
@@ -52,10 +52,10 @@ def measure(spec: str, points: ArrayLike, seed: int = 0) -> Measured:
     given = np.ascontiguousarray(points, np.float64)
     if given.ndim != 2 or given.size == 0:
         raise InvalidInput(f"points are a table of n rows and d columns, not of shape {given.shape}")
-    text = library.ffi.new("char[]", spec.encode())
+    encoded = library.ffi.new("char[]", spec.encode())
     desc = library.ffi.new("asc_discrepancy_desc *")
     desc.struct_size = library.ffi.sizeof("asc_discrepancy_desc")
-    desc.spec, desc.seed = text, seed
+    desc.spec, desc.seed = encoded, seed
     desc.points = library.ffi.from_buffer("double[]", given.reshape(-1))
     desc.count, desc.dimensions = given.shape
     made, box = library.ffi.new("asc_measurement *"), error_box(library.ffi)
@@ -76,9 +76,9 @@ def measure(spec: str, points: ArrayLike, seed: int = 0) -> Measured:
 def canonical(spec: str) -> str:
     """The canonical form of a measure's spec: keys sorted, defaults left out."""
     library = _library()
-    text, box = library.ffi.new("char[512]"), error_box(library.ffi)
-    check(library, library.lib.asc_measure_canonical(spec.encode(), text, 512, box), box)
-    return str(library.ffi.string(text).decode())
+    made, box = library.ffi.new("char[512]"), error_box(library.ffi)
+    check(library, library.lib.asc_measure_canonical(spec.encode(), made, 512, box), box)
+    return text(library, made)
 
 
 @dataclass(frozen=True)
@@ -97,25 +97,16 @@ class MeasureInfo:
 def registered() -> list[MeasureInfo]:
     """All measures that are registered."""
     library = _library()
-
-    def text(pointer: Any) -> str:
-        return str(library.ffi.string(pointer).decode())
-
-    def parameter(entry: Any) -> str:
-        values = text(entry.choices) if entry.choices else f"{entry.minimum:g}..{entry.maximum:g}"
-        return f"{text(entry.name)}={values}: {text(entry.text)}"
-
     found = []
     for index in range(library.lib.asc_measure_count()):
         info = library.ffi.new("asc_measure_info *")
         check(library, library.lib.asc_measure_describe(index, info))
-        parameters = tuple(parameter(info.parameters[number]) for number in range(info.parameter_count))
         found.append(
             MeasureInfo(
-                name=text(info.name),
-                title=text(info.title),
-                source=text(info.source),
-                parameters=parameters,
+                name=text(library, info.name),
+                title=text(library, info.title),
+                source=text(library, info.source),
+                parameters=keys(library, info),
                 least_dimensions=info.least_dimensions,
                 most_dimensions=info.most_dimensions,
                 quick_points=info.quick_points,

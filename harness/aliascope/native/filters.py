@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from aliascope.native.loading import check, error_box, module
+from aliascope.native.loading import check, error_box, keys, module, text
 
 
 def _library() -> Any:
@@ -26,8 +26,8 @@ class Filter:
 
     def __init__(self, spec: str) -> None:
         library = _library()
-        text = library.ffi.new("char[]", spec.encode())
-        desc = library.ffi.new("asc_filter_desc *", [library.ffi.sizeof("asc_filter_desc"), text])
+        encoded = library.ffi.new("char[]", spec.encode())
+        desc = library.ffi.new("asc_filter_desc *", [library.ffi.sizeof("asc_filter_desc"), encoded])
         out, box = library.ffi.new("asc_filter **"), error_box(library.ffi)
         check(library, library.lib.asc_filter_create(desc, out, box), box)
         self.handle = library.ffi.gc(out[0], library.lib.asc_filter_destroy)
@@ -39,7 +39,7 @@ class Filter:
         library = self._library
         desc = library.ffi.new("asc_filter_desc *")
         check(library, library.lib.asc_filter_resolved(self.handle, desc))
-        return str(library.ffi.string(desc.spec).decode())
+        return text(library, desc.spec)
 
     @property
     def radius(self) -> float:
@@ -110,7 +110,7 @@ def response(spec: str, frequencies: ArrayLike) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class FilterInfo:
-    """One line of `aliascope list filters`; parameters as "key=interval: help (default)"."""
+    """One line of `aliascope list filters`; parameters as "key=values: help (default value)"."""
 
     name: str
     title: str
@@ -121,18 +121,10 @@ class FilterInfo:
 def registered() -> list[FilterInfo]:
     """All filters that are registered."""
     library = _library()
-
-    def text(pointer: Any) -> str:
-        return str(library.ffi.string(pointer).decode())
-
     found = []
     for index in range(library.lib.asc_filter_count()):
         info = library.ffi.new("asc_filter_info *")
         check(library, library.lib.asc_filter_describe(index, info))
-        entries = [info.parameters[number] for number in range(info.parameter_count)]
-        parameters = tuple(
-            f"{text(entry.name)}={entry.minimum:g}..{entry.maximum:g}: {text(entry.text)} (default {entry.fallback:g})"
-            for entry in entries
-        )
-        found.append(FilterInfo(text(info.name), text(info.title), text(info.source), parameters))
+        name, title, source = (text(library, pointer) for pointer in (info.name, info.title, info.source))
+        found.append(FilterInfo(name, title, source, keys(library, info)))
     return found

@@ -41,3 +41,21 @@ def check(compiled: Any, status: int, box: Any = None) -> None:
     name = str(compiled.ffi.typeof("asc_status").elements.get(status, "")).removeprefix("ASC_")
     fallback = compiled.ffi.string(compiled.lib.asc_status_text(status)).decode()
     raise _EXCEPTIONS.get(name, JobFailed)(text or fallback)
+
+
+def text(compiled: Any, pointer: Any) -> str:
+    """A string of the library's."""
+    return str(compiled.ffi.string(pointer).decode())
+
+
+def keys(compiled: Any, info: Any) -> tuple[str, ...]:
+    """The keys of a spec, as lists show them: "key=values: help (default value)"."""
+
+    def key(entry: Any) -> str:
+        values, fallback = f"{entry.minimum:g}..{entry.maximum:g}", f"{entry.fallback:g}"
+        if entry.choices:
+            values = text(compiled, entry.choices)
+            fallback = values.split("|")[int(entry.fallback)]
+        return f"{text(compiled, entry.name)}={values}: {text(compiled, entry.text)} (default {fallback})"
+
+    return tuple(key(info.parameters[number]) for number in range(info.parameter_count))

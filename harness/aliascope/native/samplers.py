@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aliascope.errors import Unsupported
-from aliascope.native.loading import check, error_box, module
+from aliascope.native.loading import check, error_box, keys, module, text
 
 
 def _library() -> Any:
@@ -27,10 +27,10 @@ class Sampler:
 
     def __init__(self, spec: str, samples: int = 1, dimensions: int = 2, seed: int = 0) -> None:
         library = _library()
-        text = library.ffi.new("char[]", spec.encode())
+        encoded = library.ffi.new("char[]", spec.encode())
         desc = library.ffi.new("asc_sampler_desc *")
         desc.struct_size = library.ffi.sizeof("asc_sampler_desc")
-        desc.spec, desc.samples, desc.dimensions, desc.seed = text, samples, dimensions, seed
+        desc.spec, desc.samples, desc.dimensions, desc.seed = encoded, samples, dimensions, seed
         out, box = library.ffi.new("asc_sampler **"), error_box(library.ffi)
         check(library, library.lib.asc_sampler_create(desc, out, box), box)
         self.handle = library.ffi.gc(out[0], library.lib.asc_sampler_destroy)
@@ -59,13 +59,19 @@ class Sampler:
         library = self._library
         desc = library.ffi.new("asc_sampler_desc *")
         check(library, library.lib.asc_sampler_resolved(self.handle, desc))
-        return str(library.ffi.string(desc.spec).decode())
+        return text(library, desc.spec)
 
     @property
     def randomised(self) -> bool:
         """Whether the points depend on seed and pixel."""
         library = self._library
         return bool(library.lib.asc_sampler_traits(self.handle) & library.lib.ASC_TRAIT_RANDOMISED)
+
+    @property
+    def weighted(self) -> bool:
+        """Whether this is a rule of quadrature, whose points have weights other than 1/N."""
+        library = self._library
+        return bool(library.lib.asc_sampler_traits(self.handle) & library.lib.ASC_TRAIT_WEIGHTED)
 
 
 def canonical(spec: str) -> str:
@@ -142,7 +148,7 @@ def plugins() -> tuple[Plugin, ...]:
 
 @dataclass(frozen=True)
 class SamplerInfo:
-    """One line of `aliascope list samplers`; parameters as "key=default (help)"."""
+    """One line of `aliascope list samplers`; parameters as "key=values: help (default value)"."""
 
     name: str
     title: str
@@ -154,20 +160,10 @@ class SamplerInfo:
 def registered() -> list[SamplerInfo]:
     """All samplers that are registered, built-in ones first."""
     library = _library()
-
-    def text(pointer: Any) -> str:
-        return str(library.ffi.string(pointer).decode())
-
     found = []
     for index in range(library.lib.asc_sampler_count()):
         info = library.ffi.new("asc_sampler_info *")
         check(library, library.lib.asc_sampler_describe(index, info))
-        parameters = []
-        for number in range(info.parameter_count):
-            entry = info.parameters[number]
-            values = text(entry.choices) if entry.choices else f"{entry.minimum:g}..{entry.maximum:g}"
-            parameters.append(f"{text(entry.name)}={values}: {text(entry.text)}")
-        found.append(
-            SamplerInfo(text(info.name), text(info.title), text(info.source), tuple(parameters), bool(info.plugged_in))
-        )
+        name, title, source = (text(library, pointer) for pointer in (info.name, info.title, info.source))
+        found.append(SamplerInfo(name, title, source, keys(library, info), bool(info.plugged_in)))
     return found

@@ -6,23 +6,18 @@ interactive is drawn by the scripts from the JSON of `document.py` and the pictu
 
 from __future__ import annotations
 
-import base64
-import contextlib
-import hashlib
 import math
-import os
 from collections.abc import Sequence
 from datetime import datetime
-from importlib.resources import files
 from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
-from aliascope.errors import NotWritable
 from aliascope.records import ReportData, SceneSection
 from aliascope.report.document import document, script_json
 from aliascope.report.encode import PictureStore
+from aliascope.report.files import digest, source, write_text
 from aliascope.report.filters import FREQUENCIES, Response, filter_responses, filters_csv, filters_json
 from aliascope.report.plots import Plot, colours, plot_csv, plot_svg, plots_of, spectrum_name
 from aliascope.report.signal_plots import filters_svg, spectrum_svg
@@ -63,8 +58,8 @@ def write_report(folder: Path, data: ReportData) -> Path:
         _write_figure(folder, spectrum_name(plot.name), svg, spectra_csv(found, scene.rows))
     if filters:
         _write_figure(folder, "filters", filters_svg(filters), filters_csv(filters))
-    _write(folder / "results.csv", results_csv(data))
-    return _write(folder / "report.html", text)
+    write_text(folder / "results.csv", results_csv(data))
+    return write_text(folder / "report.html", text)
 
 
 def page(data: ReportData) -> str:
@@ -77,12 +72,12 @@ def _page(data: ReportData, spectra: Sequence[SceneSpectra], filters: Sequence[R
     values = document(data, pictures, spectra)
     values["colours"] = colours(values["renderers"])
     values["filters"] = {"frequencies": FREQUENCIES, "responses": filters_json(filters)}
-    style = _source("page.css")
-    body = "\n".join(_source(name) for name in SCRIPTS)
+    style = source("page.css")
+    body = "\n".join(source(name) for name in SCRIPTS)
     script = f'(() => {{\n"use strict";\n{body}\n}})();\n'
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["figures"] = _figures
-    return environment.from_string(_source("page.html")).render(
+    return environment.from_string(source("page.html")).render(
         data=data,
         started=_date(data.started),
         wall=_duration(data.wall_seconds),
@@ -90,7 +85,7 @@ def _page(data: ReportData, spectra: Sequence[SceneSpectra], filters: Sequence[R
         filters=filters,
         quanta=_quanta(data),
         undrawn=_undrawn(data),
-        policy=f"default-src 'none'; script-src '{_digest(script)}'; style-src '{_digest(style)}'",
+        policy=f"default-src 'none'; script-src '{digest(script)}'; style-src '{digest(style)}'",
         style=Markup(style),  # ours
         script=Markup(script),  # ours
         json=Markup(script_json(values)),  # escaped by script_json
@@ -121,32 +116,9 @@ def _figure_names(
     return {kind: entries for kind, entries in found.items() if entries}
 
 
-def _source(name: str) -> str:
-    return files(__name__).joinpath(name).read_text(encoding="utf-8")
-
-
-def _digest(text: str) -> str:
-    """What a content security policy knows an inline script or style by: nothing else on the page may run or load."""
-    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
-
-
 def _write_figure(folder: Path, name: str, svg: str, csv: str) -> None:
-    _write(folder / "plots" / f"{name}.svg", svg)
-    _write(folder / "plots" / f"{name}.csv", csv)
-
-
-def _write(path: Path, text: str) -> Path:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_text(text, encoding="utf-8")
-        temporary.replace(path)
-    except OSError as error:
-        raise NotWritable(f"{path}: cannot be written: {error.strerror}") from error
-    finally:
-        with contextlib.suppress(OSError):  # where the folder is none, neither is the file
-            temporary.unlink()
-    return path
+    write_text(folder / "plots" / f"{name}.svg", svg)
+    write_text(folder / "plots" / f"{name}.csv", csv)
 
 
 def _date(text: str) -> str:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from aliascope import metrics, scene_io
+from aliascope import integrands, metrics, scene_io
 from aliascope.errors import NotAvailable
-from aliascope.native import discrepancy, filters, samplers
+from aliascope.native import discrepancy, estimate, filters, samplers
 from aliascope.renderers import RENDERERS
 from aliascope.specs import Key
 
@@ -74,6 +74,30 @@ def _filters() -> Entries:
     ]
 
 
+def _estimators() -> Entries:
+    return [
+        {"name": info.name, "title": info.title, "source": info.source, "keys": list(info.parameters)}
+        for info in estimate.registered()
+    ]
+
+
+def _integrands() -> Entries:
+    found: Entries = []
+    for kind in integrands.KINDS.values():
+        least, most = kind.least_dimensions, kind.most_dimensions
+        found.append(
+            {
+                "name": kind.name,
+                "title": kind.title,
+                "dimensions": f"d = {least}" if least == most else f"d = {least} to {most}",
+                "smoothness": integrands.SMOOTHNESS[kind.smoothness],
+                "source": kind.source,
+                "keys": [_key(key) for key in kind.keys],
+            }
+        )
+    return found
+
+
 LISTS: Mapping[str, Callable[[], Entries]] = {
     "scenes": _scenes,
     "renderers": _renderers,
@@ -82,4 +106,6 @@ LISTS: Mapping[str, Callable[[], Entries]] = {
     "measures": _measures,
     "filters": _filters,
     "metrics": _metrics,
+    "integrands": _integrands,
+    "estimators": _estimators,
 }
