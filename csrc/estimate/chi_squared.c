@@ -20,5 +20,6 @@ const asc_estimator_interface asc_estimator_chi_squared = {
     .source = "Lee, Redner and Uselton 1985, Statistically optimized sampling for distributed ray tracing",
     .parameters = parameters,
     .parameter_count = ASC_SEQUENTIAL_COUNT,
+    .reach = asc_sequential_reach,
     .prepare = prepare,
     .run = asc_sequential_run};

@@ -3,6 +3,7 @@
 #define ASC_CRITERION_H
 
 #include "aliascope/estimate.h"
+#include "welford.h"
 
 typedef enum asc_criterion_kind {
   ASC_BY_CONTRAST = 0,
@@ -54,6 +55,17 @@ void asc_criterion_free(asc_criterion *made);
 /* Adds samples, values being [count][channels], to one tally a channel. ASC_NUMERIC, and nothing is added, where a
  * value is not finite or the squares overflow. */
 asc_status asc_tally_add(asc_tally *to, uint32_t channels, const double *values, size_t count);
+
+/* Adds one sample of values that were added to another tally before, so that nothing needs to be checked. */
+static inline void asc_tally_add_known(asc_tally *to, uint32_t channels, const double *values) {
+  for (uint32_t c = 0; c < channels; c++) {
+    if (to[c].moments.count == 0) to[c].least = to[c].greatest = values[c];
+    if (values[c] < to[c].least) to[c].least = values[c];
+    if (values[c] > to[c].greatest) to[c].greatest = values[c];
+    asc_moments_push(&to[c].moments, values[c]);
+  }
+}
+
 asc_status asc_tally_merge(asc_tally *to, const asc_tally *from, uint32_t channels);
 
 /* Whether the samples are enough, in every channel. */

@@ -32,6 +32,7 @@ struct asc_estimator {
   uint32_t dimensions, channels;
   double values[ASC_ESTIMATOR_PARAMETERS]; /* one a parameter */
   asc_criterion criterion;                 /* of `prepare`; freed with the estimator */
+  asc_sampler *fresh;                      /* of asc_prepare_fresh, or NULL; freed with the estimator */
   char spec[ASC_SPEC_LENGTH];              /* canonical */
 };
 
@@ -41,13 +42,25 @@ struct asc_estimator {
 typedef struct asc_draw {
   asc_pixel pixel;
   uint64_t first, count;
-  double x, y, width, height; /* the part; a width of 0: the whole pixel */
-  asc_tally *to;              /* [channels], where the values are added, in the order of the samples */
+  /* The part; a width of 0: the whole pixel. x and y may be negative: what lies over the pixel's left or upper border
+   * is a sample of the pixel there. */
+  double x, y, width, height;
+  const asc_sampler *sampler; /* NULL: the estimator's */
+  asc_tally *to;              /* [channels], where the values are added, in the order of the samples; may be NULL */
+  double *values;             /* [count][channels], where they are kept; may be NULL */
 } asc_draw;
 
 /* Takes all these samples, many of them with one call of the integrand. */
 asc_status asc_take(const asc_estimator *self, const asc_draw *draws, size_t count, asc_integrand integrand,
                     void *context, asc_error *error);
+
+/* What is said of a value that cannot be added. Returns `status`. */
+asc_status asc_fail_value(asc_error *error, asc_status status, asc_pixel pixel);
+
+/* Makes `fresh`, the same pattern with the seed xor 0x9e3779b97f4a7c15: Kirk and Arvo 1991 ask for samples that know
+ * nothing of those that decided, and the next points of a sequence lie where its first do not. ASC_UNSUPPORTED for a
+ * pattern without seed. */
+asc_status asc_prepare_fresh(asc_estimator *self, asc_error *error);
 
 /* The pixel with this number in its group. */
 asc_pixel asc_pixel_of(const asc_group *group, size_t number);

@@ -11,6 +11,9 @@
   X(stratified) \
   X(student_t) \
   X(chi_squared) \
+  X(mitchell) \
+  X(kajiya) \
+  X(whitted) \
   /* end of the list */
 /* clang-format on */
 
@@ -109,6 +112,7 @@ asc_status asc_estimator_create(const asc_estimator_desc *desc, asc_estimator **
 void asc_estimator_destroy(asc_estimator *made) {
   if (!made) return;
   asc_criterion_free(&made->criterion);
+  asc_sampler_destroy(made->fresh);
   free(made);
 }
 

@@ -20,5 +20,6 @@ const asc_estimator_interface asc_estimator_student_t = {
     .source = "Purgathofer 1987, A statistical method for adaptive stochastic sampling",
     .parameters = parameters,
     .parameter_count = ASC_SEQUENTIAL_COUNT,
+    .reach = asc_sequential_reach,
     .prepare = prepare,
     .run = asc_sequential_run};

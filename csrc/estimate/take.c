@@ -1,6 +1,7 @@
 /* Asking the integrand about many samples at once, and what is written of independent samples. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "estimator.h"
 
@@ -47,18 +48,46 @@ static size_t advance(place *at, const asc_draw *draws, size_t left) {
   return taken;
 }
 
-static asc_status fill(const asc_estimator *self, const asc_draw *draw, uint64_t first, size_t count, asc_pixel *pixels,
-                       double *points) {
-  const asc_range range = {draw->pixel.x, draw->pixel.y, first, count, 0, self->dimensions};
-  const asc_status status = asc_sampler_fill(self->sampler, &range, points);
-  for (size_t i = 0; i < count; i++) pixels[i] = draw->pixel;
-  if (status || !(draw->width > 0.0)) return status;
+/* Moves the points to the draw's part, and those over the pixel's left or upper border to the pixel there. */
+static void move(const asc_draw *draw, uint32_t dimensions, size_t count, asc_pixel *pixels, double *points) {
   for (size_t i = 0; i < count; i++) {
-    double *point = points + i * self->dimensions;
+    double *point = points + i * dimensions;
     point[0] = draw->x + draw->width * point[0];
-    if (self->dimensions > 1) point[1] = draw->y + draw->height * point[1];
+    if (point[0] < 0.0) {
+      pixels[i].x--;
+      point[0] = fmin(point[0] + 1.0, 1.0 - 0x1p-24); /* which rounding could make 1 */
+    }
+    if (dimensions < 2) continue;
+    point[1] = draw->y + draw->height * point[1];
+    if (point[1] < 0.0) {
+      pixels[i].y--;
+      point[1] = fmin(point[1] + 1.0, 1.0 - 0x1p-24);
+    }
   }
+}
+
+/* The next `count` samples of a draw, of which `done` are there. */
+static asc_status fill(const asc_estimator *self, const asc_draw *draw, uint64_t done, size_t count, asc_pixel *pixels,
+                       double *points) {
+  const uint32_t dimensions = self->dimensions;
+  const asc_range range = {draw->pixel.x, draw->pixel.y, draw->first + done, count, 0, dimensions};
+  const asc_status status = asc_sampler_fill(draw->sampler ? draw->sampler : self->sampler, &range, points);
+  if (status) return status;
+  for (size_t i = 0; i < count; i++) pixels[i] = draw->pixel;
+  if (draw->width > 0.0) move(draw, dimensions, count, pixels, points);
   return ASC_OK;
+}
+
+static asc_status all_finite(const double *values, size_t count) {
+  for (size_t i = 0; i < count; i++)
+    if (!isfinite(values[i])) return ASC_NUMERIC;
+  return ASC_OK;
+}
+
+asc_status asc_fail_value(asc_error *error, asc_status status, asc_pixel pixel) {
+  return asc_fail(error, status,
+                  "the integrand has a value that is not finite, or too large to square, in pixel %d, %d", pixel.x,
+                  pixel.y);
 }
 
 /* Adds the values of the samples from `at` on, `filled` of them. */
@@ -66,13 +95,13 @@ static asc_status hand_out(const asc_estimator *self, const asc_draw *draws, pla
                            asc_error *error) {
   for (size_t i = 0; i < filled;) {
     const asc_draw *draw = &draws[at.draw];
+    const uint64_t done = at.done;
     const size_t taken = advance(&at, draws, filled - i);
-    const asc_status status = asc_tally_add(draw->to, self->channels, of->values + i * self->channels, taken);
-    if (status)
-      return asc_fail(error, status,
-                      "the integrand has a value that is not finite, or too large to square, in pixel "
-                      "%d, %d",
-                      draw->pixel.x, draw->pixel.y);
+    const double *values = of->values + i * self->channels;
+    if (draw->values) memcpy(draw->values + done * self->channels, values, taken * self->channels * sizeof *values);
+    const asc_status status =
+        draw->to ? asc_tally_add(draw->to, self->channels, values, taken) : all_finite(values, taken * self->channels);
+    if (status) return asc_fail_value(error, status, draw->pixel);
     i += taken;
   }
   return ASC_OK;
@@ -90,8 +119,7 @@ asc_status asc_take(const asc_estimator *self, const asc_draw *draws, size_t cou
       const place here = at;
       const asc_draw *draw = &draws[here.draw];
       const size_t taken = advance(&at, draws, work.capacity - filled);
-      status = fill(self, draw, draw->first + here.done, taken, work.pixels + filled,
-                    work.points + filled * self->dimensions);
+      status = fill(self, draw, here.done, taken, work.pixels + filled, work.points + filled * self->dimensions);
       if (status)
         (void)asc_fail(error, status, "the sampler has no sample %llu", (unsigned long long)draw->first + here.done);
       filled += taken;
@@ -121,4 +149,16 @@ void asc_write_tallies(asc_estimates *made, size_t pixel, uint32_t channels, con
   if (made->degrees && tallies[0].moments.count > 1) made->degrees[pixel] = (double)tallies[0].moments.count - 1.0;
   if (made->counts) made->counts[pixel] = spent;
   made->spent += spent;
+}
+
+asc_status asc_prepare_fresh(asc_estimator *self, asc_error *error) {
+  asc_sampler_desc desc;
+  const asc_status status = asc_sampler_resolved(self->sampler, &desc);
+  if (status) return status;
+  if (!(asc_sampler_traits(self->sampler) & ASC_TRAIT_RANDOMISED))
+    return asc_fail(error, ASC_UNSUPPORTED,
+                    "%s: unbiased=1 needs a sampler that is randomised; %s has the same points for every seed",
+                    self->interface->name, desc.spec);
+  desc.seed ^= 0x9e3779b97f4a7c15u; /* samplers mix the seed's bits: any other will do */
+  return asc_sampler_create(&desc, &self->fresh, error);
 }

@@ -3,8 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "packet.h"
-
 #define CHUNK 1024 /* samples of a pixel that are drawn at a time */
 
 struct block_work {
@@ -27,6 +25,8 @@ block_work *block_work_make(void) {
 }
 
 void block_work_free(block_work *memory) { free(memory); }
+
+packet *block_packet(block_work *memory) { return &memory->rays; }
 
 uint64_t block_shadow_rays(const block_work *memory) { return memory->rays.shadow_rays; }
 

@@ -6,6 +6,7 @@
 #define TRACER_BLOCK_H
 
 #include "film.h"
+#include "packet.h"
 #include "tracer.h"
 
 #define BLOCK_SIDE 4u
@@ -15,6 +16,9 @@ typedef struct block_work block_work;
 
 block_work *block_work_make(void);
 void block_work_free(block_work *memory);
+
+/* Its packet, for those who fill it themselves. */
+packet *block_packet(block_work *memory);
 
 /* How many shadow rays were traced with this memory. */
 uint64_t block_shadow_rays(const block_work *memory);

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "adaptive.h"
 #include "filtered.h"
 #include "scene.h"
 
@@ -115,6 +116,33 @@ asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, t
   status = render(made, desc, sampling.samples, pixels, &spent, &samples);
   if (status)
     return asc_fail(error, status, status == ASC_OUT_OF_MEMORY ? "%s" : "the sampler failed: %s",
+                    asc_status_text(status));
+  if (cost)
+    *cost = (tracer_cost){
+        samples,          samples, spent.cpu_seconds, seconds(CLOCK_MONOTONIC) - begun, made->build_cpu_seconds,
+        spent.shadow_rays};
+  return ASC_OK;
+}
+
+asc_status tracer_render_adaptive(tracer *made, const tracer_adaptive_desc *desc, float *pixels, uint32_t *counts,
+                                  tracer_cost *cost, asc_error *error) {
+  if (!made || !desc || desc->struct_size != sizeof *desc || !desc->estimator || !pixels)
+    return asc_fail(error, ASC_INVALID_ARGUMENT,
+                    "tracer_render_adaptive: the desc needs its struct_size and an estimator");
+  asc_estimator_desc estimator;
+  asc_sampler_desc sampling;
+  asc_status status = asc_estimator_resolved(desc->estimator, &estimator);
+  if (status == ASC_OK) status = asc_sampler_resolved(estimator.sampler, &sampling);
+  if (status || estimator.channels != 3 || sampling.dimensions < 2)
+    return asc_fail(error, ASC_INVALID_ARGUMENT,
+                    "tracer_render_adaptive: the estimator needs three channels, and a sampler of two dimensions");
+  crew_cost spent = {0};
+  uint64_t samples = 0;
+  const double begun = seconds(CLOCK_MONOTONIC);
+  status = adaptive_render(made, desc->estimator, sampling.dimensions, desc->threads ? desc->threads : 1, pixels,
+                           counts, &spent, &samples);
+  if (status)
+    return asc_fail(error, status, status == ASC_OUT_OF_MEMORY ? "%s" : "the estimate failed: %s",
                     asc_status_text(status));
   if (cost)
     *cost = (tracer_cost){

@@ -7,6 +7,7 @@
 #define TRACER_H
 
 #include "aliascope/base.h"
+#include "aliascope/estimate.h"
 #include "aliascope/filter.h"
 #include "aliascope/sampler.h"
 #include "aliascope/scene.h"
@@ -39,6 +40,19 @@ typedef struct tracer_cost {
  * sampled for those within; film.h says how a pixel is made of them. `cost` may be NULL. */
 ASC_API asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, tracer_cost *cost,
                                  asc_error *error);
+
+typedef struct tracer_adaptive_desc {
+  size_t struct_size;
+  const asc_estimator *estimator; /* of three channels; not owned */
+  uint32_t threads;               /* 0: 1 */
+} tracer_adaptive_desc;
+
+/* Renders with as many samples in each pixel as the estimator finds that it needs: the box filter, the estimate of each
+ * pixel being its value. `counts`, [height][width] or NULL, gets the samples of each pixel; those that two pixels share
+ * count in both. `cost` has every sample once, those in pixels beyond the border of a tile that the estimator looks at
+ * too. */
+ASC_API asc_status tracer_render_adaptive(tracer *made, const tracer_adaptive_desc *desc, float *pixels,
+                                          uint32_t *counts, tracer_cost *cost, asc_error *error);
 
 /* Embree's version, as 31305 for 3.13.5. */
 ASC_API uint32_t tracer_embree_version(void);

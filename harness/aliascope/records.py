@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 Pixels = NDArray[np.float32]
 """A picture: (height, width, 3) float32, linear RGB, row 0 on top."""
+Counts = NDArray[np.uint32]
+"""The samples of each pixel: (height, width)."""
 
 
 @dataclass(frozen=True)
@@ -31,11 +33,15 @@ class Cost:
 
 @dataclass(frozen=True)
 class Rendering:
-    """A picture as a renderer gives it. `quantum` is the step of its output, 0 for float."""
+    """A picture as a renderer gives it. `quantum` is the step of its output, 0 for float.
+
+    `counts` are the samples of each pixel, where they differ: those of adaptive modes; else None.
+    """
 
     pixels: Pixels
     cost: Cost
     quantum: float = 0.0
+    counts: Counts | None = None
 
 
 @dataclass(frozen=True)

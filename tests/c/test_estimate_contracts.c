@@ -50,9 +50,11 @@ static void pixels_do_not_depend_on_their_group(void **state) {
     uint64_t asked = 0;
     const result whole = estimated(estimator, (asc_group){-3, 4, 9, 5}, edge_and_product, &asked);
     assert_int_equal(whole.spent, asked);
+    /* Samples on the borders of pixels are shared by those that reach over them. */
+    const int shares = asc_estimator_reach(estimator) > 1;
     uint64_t counts = 0;
     for (int i = 0; i < 45; i++) counts += whole.counts[i];
-    assert_true(counts <= whole.spent);
+    assert_true(shares || counts <= whole.spent);
     for (int i = 0; i < 45; i++) {
       const asc_group one = {-3 + i % 9, 4 + i / 9, 1, 1};
       const result alone = estimated(estimator, one, edge_and_product, NULL);
@@ -61,6 +63,7 @@ static void pixels_do_not_depend_on_their_group(void **state) {
       assert_memory_equal(alone.degrees, whole.degrees + i, sizeof *alone.degrees);
       assert_int_equal(alone.counts[0], whole.counts[i]);
       assert_true(alone.counts[0] <= SAMPLES);
+      if (shares) continue;
       /* The integrand was told the pixel: its second channel is in [y, y + 1), its first is 0 up to column 0, and in
        * column 5 an edge through the middle. */
       assert_true(alone.means[1] >= one.y && alone.means[1] < one.y + 1.0);
@@ -158,7 +161,9 @@ static asc_status product_alone(void *context, size_t count, const asc_pixel *pi
 /* By the definition, sample by sample, also beyond the quantiles that are kept. */
 static void sequences_stop_where_the_definition_says(void **state) {
   (void)state;
-  asc_sampler *sampler = sampler_of("random", 4000, 2);
+  asc_sampler *sampler = sampler_of("random", 4000, 2), *fresh = NULL;
+  const asc_sampler_desc other = {sizeof other, "random", 4000, 2, 5 ^ 0x9e3779b97f4a7c15u}; /* as estimator.h has it */
+  assert_int_equal(asc_sampler_create(&other, &fresh, NULL), ASC_OK);
   const struct {
     const char *spec;
     double tolerance;
@@ -191,8 +196,8 @@ static void sequences_stop_where_the_definition_says(void **state) {
       }
       if (cases[k].unbiased) {
         moments = (asc_moments){0};
-        for (uint64_t i = wanted; i < 2 * wanted; i++) {
-          const double value = value_of(sampler, i, x);
+        for (uint64_t i = 0; i < wanted; i++) {
+          const double value = value_of(fresh, i, x);
           assert_int_equal(asc_moments_add(&moments, &value, 1), ASC_OK);
         }
       }
@@ -204,6 +209,7 @@ static void sequences_stop_where_the_definition_says(void **state) {
     }
     asc_estimator_destroy(estimator);
   }
+  asc_sampler_destroy(fresh);
   asc_sampler_destroy(sampler);
 }
 

@@ -156,7 +156,7 @@ typedef struct asc_estimates {
   double *means;           /* [pixel][channel] */
   double *standard_errors; /* [pixel][channel], as the estimator itself states them; NaN where it states none */
   double *degrees;         /* [pixel], of freedom that the standard errors have, for Student's t; NaN where none */
-  uint64_t *counts;        /* [pixel], samples of the pixel itself that were spent */
+  uint64_t *counts;        /* [pixel], samples that its estimate needed; those that pixels share count in each */
   uint64_t spent;          /* written: all samples, those outside the group too */
 } asc_estimates;
 

@@ -225,20 +225,20 @@ class Estimator:
         desc.spec, desc.sampler, desc.channels = encoded, self.sampler.handle, channels
         out, box = library.ffi.new("asc_estimator **"), error_box(library.ffi)
         check(library, library.lib.asc_estimator_create(desc, out, box), box)
-        self._handle = library.ffi.gc(out[0], library.lib.asc_estimator_destroy)
+        self.handle = library.ffi.gc(out[0], library.lib.asc_estimator_destroy)
 
     @property
     def spec(self) -> str:
         """The canonical spec."""
         library = self._library
         desc = library.ffi.new("asc_estimator_desc *")
-        check(library, library.lib.asc_estimator_resolved(self._handle, desc))
+        check(library, library.lib.asc_estimator_resolved(self.handle, desc))
         return text(library, desc.spec)
 
     @property
     def reach(self) -> int:
         """How many pixels outside a group it asks for."""
-        return int(self._library.lib.asc_estimator_reach(self._handle))
+        return int(self._library.lib.asc_estimator_reach(self.handle))
 
     def estimate(self, integrand: Integrand, group: tuple[int, int, int, int] = (0, 0, 1, 1)) -> Estimates:
         """The estimates of all pixels of a group (x, y, columns, rows). Raises what the integrand raises; JobFailed
@@ -259,7 +259,7 @@ class Estimator:
         call = _Call(integrand, self.sampler.dimensions, self.channels)
         context, box = library.ffi.new_handle(call), error_box(library.ffi)
         place = library.ffi.new("asc_group *", [x, y, columns, rows])
-        status = library.lib.asc_estimate(self._handle, place, _callback(), context, record, box)
+        status = library.lib.asc_estimate(self.handle, place, _callback(), context, record, box)
         if call.error is not None:
             raise call.error
         check(library, status, box)

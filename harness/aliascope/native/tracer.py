@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from aliascope.model import Scene
-from aliascope.native import filters, samplers
+from aliascope.native import estimate, filters, samplers
 from aliascope.native.loading import check, error_box, module
 from aliascope.native.scene import pack
-from aliascope.records import Pixels
+from aliascope.records import Counts, Pixels
 
 
 def _library() -> Any:
@@ -67,5 +67,28 @@ class Tracer:
         cost, box = library.ffi.new("tracer_cost *"), error_box(library.ffi)
         target = library.ffi.from_buffer("float[]", pixels)
         check(library, library.lib.tracer_render(self._handle, desc, target, cost, box), box)
-        names = ("samples", "primary_rays", "cpu_seconds", "wall_seconds", "build_cpu_seconds", "shadow_rays")
-        return pixels, TracerCost(**{name: getattr(cost, name) for name in names})
+        return pixels, _cost(cost)
+
+    def render_adaptive(
+        self, estimator: str, sampler: str, samples: int, seed: int = 0, threads: int = 1
+    ) -> tuple[Pixels, Counts, TracerCost]:
+        """The picture, and the samples of each pixel, at most `samples`, that the estimator of this spec took.
+
+        Raises SpecError, Unsupported for a sampler that the estimator cannot use.
+        """
+        library, (width, height) = self._library, self._size
+        made = estimate.Estimator(estimator, sampler, samples, channels=3, seed=seed)
+        desc = library.ffi.new("tracer_adaptive_desc *")
+        desc.struct_size, desc.threads = library.ffi.sizeof("tracer_adaptive_desc"), threads
+        desc.estimator = library.ffi.cast("asc_estimator *", made.handle)
+        pixels, counts = np.empty((height, width, 3), np.float32), np.empty((height, width), np.uint32)
+        cost, box = library.ffi.new("tracer_cost *"), error_box(library.ffi)
+        buffer = library.ffi.from_buffer
+        targets = buffer("float[]", pixels), buffer("uint32_t[]", counts)
+        check(library, library.lib.tracer_render_adaptive(self._handle, desc, *targets, cost, box), box)
+        return pixels, counts, _cost(cost)
+
+
+def _cost(cost: Any) -> TracerCost:
+    names = ("samples", "primary_rays", "cpu_seconds", "wall_seconds", "build_cpu_seconds", "shadow_rays")
+    return TracerCost(**{name: getattr(cost, name) for name in names})
