@@ -25,6 +25,7 @@ from aliascope.image import read_header, read_image, write_exr
 from aliascope.studies import selection
 from aliascope.studies.compare import reference_of
 from aliascope.studies.lists import LISTS
+from aliascope.studies.progress import converging
 
 QUICK = ("-m", "uniform:n=1", "-m", "none", "-m", "msaa:n=4")
 """One cheap mode of each renderer: of the tracer a picture a seed, "none" of POV-Ray and OSMesa, and "msaa"."""
@@ -504,6 +505,14 @@ def test_a_reference_that_is_made_tells_how_far_it_is(tmp_path: Path) -> None:
     assert re.search(r"/32 left .*reference of mine, 12 x 9 pixels, filter tent: standard error \d\.\de-", told), told
     assert re.search(r"standard error (\S+), (\S+) at the end", told)
     assert "probing embree" in told
+
+
+def test_the_standard_error_at_the_end_falls_with_the_root_of_the_count() -> None:
+    told: list[object] = []
+    tell = converging("it", lambda *what: told.append(what))
+    tell(0, 16, None)
+    tell(4, 16, 0.2)
+    assert told == [("it", 0, 16), ("it: standard error 2.0e-01, 1.0e-01 at the end", 4, 16)]
 
 
 def test_each_filter_is_judged_by_its_own_reference(tmp_path: Path) -> None:

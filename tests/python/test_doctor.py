@@ -111,7 +111,7 @@ def test_those_that_drew_are_probed_once_and_what_does_not_hold_is_first(
     class Away(Fourth):
         name = "away"
 
-    every = {each.name: each for each in (Fourth(), Broken(), Off(), Idle(), Away())}
+    every = {each.name: each for each in (Fourth(), Off(), Broken(), Idle(), Away())}
     monkeypatch.setattr(renderers, "RENDERERS", every)
     monkeypatch.setattr(renderers, "find", every.__getitem__)
     digest = ["1"]
@@ -142,7 +142,7 @@ def test_those_that_drew_are_probed_once_and_what_does_not_hold_is_first(
     assert first["broken"].reason == "its probe failed: it hung"
     assert "off: PICTURES CANNOT BE COMPARED" in probes.warning_of(first["off"])
     assert [probes.warning_of(first[name]) for name in ("away", "fourth")] == ["", ""]
-    assert (begun, told) == (3, ["probing fourth", "probing broken", "probing off"])
+    assert (begun, told) == (3, ["probing fourth", "probing off", "probing broken"])
     again, begun = probed()
     assert (again, begun) == (first, 1)  # what failed is tried again
     digest[0] = "2"
