@@ -435,4 +435,7 @@ def test_formulas_of_the_page() -> None:
     assert str(formula("~ N^-3/4 and <= (log N)^2 N^-1")) == (
         "∼ N<sup>−3/4</sup> and ≤ (log N)<sup>2</sup> N<sup>−1</sup>"
     )
-    assert str(formula("N^(-2/d), D_N, quasi-Monte <b>")) == "N<sup>−2/d</sup>, D<sub>N</sub>, quasi-Monte &lt;b&gt;"
+    assert (
+        str(formula("near N^-3/2. N^(-2/d), D_N, quasi-Monte <b>"))
+        == "near N<sup>−3/2</sup>. N<sup>−2/d</sup>, D<sub>N</sub>, quasi-Monte &lt;b&gt;"
+    )
