@@ -68,6 +68,6 @@ def page_html(page: Page) -> str:
 def formula(text: str) -> Markup:
     """Text with its powers and indices set as such, and signs for "<=", "~" and the minus of a number."""
     safe = str(escape(text))
-    safe = re.sub(r"\^\(?(-?[\d./d]+)\)?", r"<sup>\1</sup>", safe)
+    safe = re.sub(r"\^\(?(-?[\d./d]*[\dd])\)?", r"<sup>\1</sup>", safe)
     safe = safe.replace("D_N", "D<sub>N</sub>").replace("&lt;=", "≤").replace("~ N", "∼ N")
     return Markup(re.sub(r"(?<![\w-])-(?=[\d.])", "\u2212", safe))
