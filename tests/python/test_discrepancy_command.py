@@ -145,6 +145,9 @@ def test_one_measure_of_an_array() -> None:
     found = aliascope.discrepancy(np.array([[0.5, 0.5]]), "star")
     assert (found.value, found.details) == (0.75, {"certainty": "exact", "witness": [0.5, 0.5], "border": "closed"})
     assert aliascope.discrepancy([[0, 1], [1, 1]], "star").value == 1.0
+    drawn = aliascope.discrepancy([[0.5, 0.5]], "edge-mean:draws=100", seed=9)
+    assert drawn == discrepancy.measure("edge-mean:draws=100", [[0.5, 0.5]], seed=9)
+    assert drawn != aliascope.discrepancy([[0.5, 0.5]], "edge-mean:draws=100")
     with pytest.raises(dataclasses.FrozenInstanceError):
         found.value = 1.0  # type: ignore[misc]
 

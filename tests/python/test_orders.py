@@ -149,6 +149,18 @@ def test_fits_and_intervals_are_scipys() -> None:
     assert power.likelihood == pytest.approx((squares[0] / squares[1]) ** (len(n) / 2), rel=1e-9)
 
 
+def test_a_parameter_more_has_to_earn_itself() -> None:
+    """Akaike's criterion: m log(sum of squares) and 2 a parameter, by which a fit of one is e times as likely."""
+    rng = np.random.default_rng(2)
+    star = 3.0 * np.array(COUNTS) ** -0.5 * np.exp(0.1 * rng.standard_normal(len(COUNTS)))
+    log_squared, power = fits(at(COUNTS, star.tolist()), 2)[1:]
+    m = len(COUNTS)
+    assert log_squared.c0 == 0.0
+    squares = [(m - 1) * log_squared.residual**2, (m - 2) * power.residual**2]
+    assert power.likelihood == 1.0
+    assert log_squared.likelihood == pytest.approx(math.e * (squares[1] / squares[0]) ** (m / 2), rel=1e-9)
+
+
 def test_a_lower_order_that_would_be_negative_is_none() -> None:
     n = np.array(COUNTS, float)
     first, second, _ = fits(at(COUNTS, (3.0 * n**-0.5).tolist()), 2)

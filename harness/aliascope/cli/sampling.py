@@ -16,9 +16,9 @@ Source = Annotated[
     str,
     typer.Argument(
         metavar="SAMPLER|FILE",
-        help="A spec (aliascope list samplers). Or a file, which has a slash or a suffix, or - for standard input: "
-        ".npy, or text of one point a line, its columns parted by commas, semicolons, tabs or blanks, its first line "
-        "names or not, # before comments.",
+        help="A spec (aliascope list samplers). Or a file, whose name has a slash or a suffix: .npy, or text of one "
+        "point a line, its columns parted by commas, semicolons, tabs or blanks, its first line names or not, # before "
+        "comments; - is such text from standard input.",
     ),
 ]
 Count = Annotated[int | None, typer.Option("-n", min=1, max=2**53, help="How many points.")]

@@ -47,6 +47,10 @@ def lines(measured: Sequence[Measured | Refused]) -> list[str]:
     return [f"{one.spec:{width}}  {_said(one)}" for one in measured]
 
 
+WITHOUT_BORDER = frozenset({"dispersion", "min-distance"})
+"""Measures whose extreme is no set that points are counted in, with its border or without."""
+
+
 def _said(one: Measured | Refused) -> str:
     if isinstance(one, Refused):
         return f"none: {one.reason}"
@@ -56,7 +60,9 @@ def _said(one: Measured | Refused) -> str:
     if one.certainty == "estimated":
         text += f"  +- {one.standard_error:.2g}"
     if one.witness:
-        text += f"  at {', '.join(f'{x:.6g}' for x in one.witness)}, {'closed' if one.closed else 'open'}"
+        text += f"  at {', '.join(f'{x:.6g}' for x in one.witness)}"
+        if one.spec.split(":")[0] not in WITHOUT_BORDER:
+            text += ", closed" if one.closed else ", open"
     return text
 
 
