@@ -498,11 +498,11 @@ def test_a_reference_that_is_made_tells_how_far_it_is(tmp_path: Path) -> None:
     """On a terminal alone: what is made, how many pictures of it, the standard error now and at the end."""
     scene = tmp_path / "mine.toml"
     scene.write_text((places.SCENES / "discs.toml").read_text())
-    arguments = ("compare", scene, "-m", "uniform:n=1,filter=tent", "--size", "12x9", "-o")
+    arguments = ("compare", scene, "-m", "uniform:n=1,filter=tent", "--size", "6x4", "-o")
     assert run(*arguments, tmp_path / "quiet").stderr == ""
     terminal = run(*arguments, tmp_path / "out", terminal=True, env={**os.environ, "TERM": "xterm", "COLUMNS": "200"})
     told = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", terminal.stderr)
-    assert re.search(r"/32 left .*reference of mine, 12 x 9 pixels, filter tent: standard error \d\.\de-", told), told
+    assert re.search(r"/32 left .*reference of mine, 6 x 4 pixels, filter tent: standard error \d\.\de-", told), told
     assert re.search(r"standard error (\S+), (\S+) at the end", told)
     assert "probing embree" in told
 
@@ -520,7 +520,7 @@ def test_each_filter_is_judged_by_its_own_reference(tmp_path: Path) -> None:
     scene.write_text((places.SCENES / "discs.toml").read_text())
     modes = [f"uniform:n=256,filter={name}" for name in ("box", "mitchell")]
     document = compare(
-        tmp_path / "out", str(scene), *(word for mode in modes for word in ("-m", mode)), "--size", "24x18"
+        tmp_path / "out", str(scene), *(word for mode in modes for word in ("-m", mode)), "--size", "16x12"
     )
     rmse = {row["scene"]: row["metrics"]["rmse"] for row in document["rows"]}
     assert set(rmse) == {"mine", "mine, mitchell"}
