@@ -101,3 +101,8 @@ def complaint(*arguments: str | Path, code: int, env: Mapping[str, str] | None =
     assert len(lines) == 1, lines
     assert lines[0].startswith("aliascope: ")
     return lines[0]
+
+
+def environment(folder: Path, alone: bool = False) -> dict[str, str]:
+    """This environment with a folder first on the PATH, or alone on it."""
+    return {**os.environ, "PATH": str(folder) if alone else f"{folder}{os.pathsep}{os.environ['PATH']}"}
