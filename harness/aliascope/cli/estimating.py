@@ -16,7 +16,7 @@ from aliascope.cli.shared import Json, Seed, app, print_json
 def estimate(
     integrand: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[INTEGRAND]...", help="Specs; see aliascope list integrands. If not: a telling set."),
+        typer.Argument(metavar="INTEGRAND", help="Specs; see aliascope list integrands. If not: a telling set."),
     ] = None,
     estimator: Annotated[
         list[str] | None,

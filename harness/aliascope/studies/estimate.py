@@ -247,7 +247,8 @@ def lines(asked: Asked, measured: Sequence[Measured]) -> list[str]:
         columns = "samples  bias        +-       RMSE       over fixed"
         found.append(f"  {'estimator':{width}}  {columns}  coverage of {asked.confidence:g}")
         found += [f"  {label(one):{width}}  {_figures(one, asked.confidence)}" for one in rows]
-    return [*found, "", *notes(measured)]
+    marked = ["*: a bias of more than four standard errors."] * any(one.biased for one in measured)
+    return [*found, "", *marked, *notes(measured)]
 
 
 def _figures(one: Measured, confidence: float) -> str:
@@ -268,8 +269,6 @@ def coverage_text(one: Measured, confidence: float) -> str:
 def notes(measured: Sequence[Measured]) -> list[str]:
     """What the figures mean, as far as it is needed for these."""
     found = ["RMSE over fixed: over that of as many independent samples in every repetition; below 1 is better."]
-    if any(one.biased for one in measured):
-        found.append("*: a bias of more than four standard errors.")
     if any(one.sampler != "random" for one in measured):
         found.append(
             "Samples of a sequence are not independent. The standard error takes them as if they were, so the interval "

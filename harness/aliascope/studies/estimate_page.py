@@ -38,7 +38,7 @@ def write(folder: Path, asked: Asked, measured: Sequence[Measured]) -> Path:
     page = Page(
         headlines=headlines(asked, measured),
         sections=sections,
-        notes=notes(measured),
+        notes=[f"Red: a bias of more than four standard errors, a share that is {SHORT:g} short.", *notes(measured)],
         dimensions=asked.dimensions,
         repetitions=asked.repetitions,
         confidence=f"{100.0 * asked.confidence:g} %",
