@@ -21,7 +21,7 @@ from aliascope import image, metrics, places, plan, renderers
 from aliascope.errors import AliascopeError, InvalidInput, JobFailed, NotAvailable
 from aliascope.native import samplers
 from aliascope.native.samplers import Plugin
-from aliascope.records import Counts, EmptyCell, Job, Outcome, Pixels, Rendering
+from aliascope.records import EmptyCell, Job, Outcome, Pixels, Rendering
 from aliascope.renderers.base import LEAST_SECONDS, Renderer, Request, filter_of, lacks
 from aliascope.scene_io import SceneFile
 from aliascope.specs import Spec
@@ -340,16 +340,12 @@ class Keeper:
 
     def whole(self, outcome: Outcome) -> bool:
         """Whether the picture of a kept outcome is there, can be read, and has its size; its counts too, if any."""
-        size = (outcome.job.height, outcome.job.width)
         try:
-            counted = mode_of(outcome.job).name != "adaptive" or self.counts(outcome).shape == size
-            return counted and image.read_image(self._folder / outcome.image).shape == (*size, 3)
+            if mode_of(outcome.job).name == "adaptive":
+                image.read_counts(self._folder / counts_path(outcome.image))
+            return image.read_image(self._folder / outcome.image).shape == (outcome.job.height, outcome.job.width, 3)
         except InvalidInput:
             return False
-
-    def counts(self, outcome: Outcome) -> Counts:
-        """The samples of each pixel of a kept outcome of an adaptive mode."""
-        return image.read_counts(self._folder / counts_path(outcome.image))
 
     def measured_again(self, outcome: Outcome) -> Outcome:
         """A kept outcome with the metrics that there are now, of the picture that is there."""
