@@ -42,48 +42,52 @@ static frame frame_of(const asc_cell *cell, double margin, int across, int down)
                  cell->y + cell->side + margin - down};
 }
 
+/* Without a branch a comparison: which way each goes is chance. */
 static int holds(const frame *within, const asc_field_sample *sample) {
-  return sample->x >= within->left && sample->x < within->right && sample->y >= within->top &&
-         sample->y < within->bottom;
+  return (sample->x >= within->left) & (sample->x < within->right) & (sample->y >= within->top) &
+         (sample->y < within->bottom);
 }
 
 /* What the samples around a cell came to. */
 typedef struct around {
+  const asc_field *of;
   const double *first; /* the first one's values; NULL: there is none */
   uint64_t count;
-  int differ;
+  int differ, moments;
   asc_tally tallies[ASC_CHANNELS_MOST]; /* from when they differ on */
 } around;
 
-static void add_around(around *to, const double *values, uint32_t channels) {
+static void add_one(around *to, const double *values) {
+  if (to->moments)
+    asc_tally_add_known(to->tallies, to->of->self->channels, values);
+  else
+    asc_tally_add_extent(to->tallies, to->of->self->channels, values);
+}
+
+static void add_around(around *to, const double *values) {
+  const uint32_t channels = to->of->self->channels;
   to->count++;
   if (!to->first) to->first = values;
   if (!to->differ) {
     for (uint32_t c = 0; c < channels; c++) to->differ |= values[c] != to->first[c];
-    if (!to->differ) return; /* most cells end so, and need no moments */
+    if (!to->differ) return; /* most cells end so, and need no tally */
     memset(to->tallies, 0, channels * sizeof *to->tallies);
-    for (uint64_t i = 1; i < to->count; i++) asc_tally_add_known(to->tallies, channels, to->first);
+    for (uint64_t i = 1; i < to->count; i++) add_one(to, to->first);
   }
-  asc_tally_add_known(to->tallies, channels, values);
+  add_one(to, values);
 }
 
 /* Adds those samples of a pixel that lie in the frame, of its first `most`. */
-static void gather(const asc_field *of, uint32_t pixel, const frame *within, uint32_t most, around *to) {
-  const uint32_t channels = of->self->channels;
+static void gather(around *to, uint32_t pixel, const frame *within, uint32_t most) {
+  const asc_field *of = to->of;
   uint32_t i = of->pixels[pixel].first_sample;
   for (uint32_t seen = 0; seen < most && i != ASC_FIELD_NONE; seen++, i = of->samples[i].next)
-    if (holds(within, &of->samples[i])) add_around(to, of->values + (size_t)i * channels, channels);
+    if (holds(within, &of->samples[i])) add_around(to, of->values + (size_t)i * of->self->channels);
 }
 
-/* Whether the criterion is satisfied by the cell's samples and those around it. Where it is, these stand for a cell
- * that has none of its own. */
-static int ask_around(const asc_field *of, uint32_t number) {
-  const asc_cell *cell = &of->cells[number];
-  const uint32_t columns = of->area.columns, channels = of->self->channels;
-  around found;
-  found.first = NULL;
-  found.count = 0;
-  found.differ = 0;
+static void gather_around(around *to, const asc_cell *cell) {
+  const asc_field *of = to->of;
+  const uint32_t columns = of->area.columns;
   /* In cells that are open, the samples lie as densely as in the sequence so far. */
   const double margin = fmin(1.0, of->how->margin / sqrt((double)of->pixels[cell->pixel].index));
   for (int down = -1; down <= 1; down++)
@@ -92,8 +96,22 @@ static int ask_around(const asc_field *of, uint32_t number) {
       const frame within = frame_of(cell, margin, across, down);
       if (within.left >= 1.0 || within.right <= 0.0 || within.top >= 1.0 || within.bottom <= 0.0) continue;
       const uint32_t pixel = (uint32_t)((int64_t)cell->pixel + down * (int64_t)columns + across);
-      gather(of, pixel, &within, own ? UINT32_MAX : (uint32_t)of->how->minimum, &found);
+      gather(to, pixel, &within, own ? UINT32_MAX : (uint32_t)of->how->minimum);
     }
+}
+
+/* Whether the criterion is satisfied by the cell's samples and those around it. Where it is, these stand for a cell
+ * that has none of its own. */
+static int ask_around(const asc_field *of, uint32_t number) {
+  const asc_cell *cell = &of->cells[number];
+  const uint32_t channels = of->self->channels;
+  around found;
+  found.of = of;
+  found.first = NULL;
+  found.count = 0;
+  found.differ = 0;
+  found.moments = cell->count == 0 || asc_criterion_has_moments(&of->self->criterion);
+  gather_around(&found, cell);
   if (!found.first) return 0;
   if (!found.differ) {
     memset(found.tallies, 0, channels * sizeof *found.tallies);

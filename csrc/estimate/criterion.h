@@ -56,7 +56,7 @@ void asc_criterion_free(asc_criterion *made);
  * value is not finite or the squares overflow. */
 asc_status asc_tally_add(asc_tally *to, uint32_t channels, const double *values, size_t count);
 
-/* Adds one sample of values that were added to another tally before, so that nothing needs to be checked. */
+/* Adds one sample of values that are finite, as is their square. */
 static inline void asc_tally_add_known(asc_tally *to, uint32_t channels, const double *values) {
   for (uint32_t c = 0; c < channels; c++) {
     if (to[c].moments.count == 0) to[c].least = to[c].greatest = values[c];
@@ -64,6 +64,19 @@ static inline void asc_tally_add_known(asc_tally *to, uint32_t channels, const d
     if (values[c] > to[c].greatest) to[c].greatest = values[c];
     asc_moments_push(&to[c].moments, values[c]);
   }
+}
+
+/* The same for a criterion that looks at no moments but the count. */
+static inline void asc_tally_add_extent(asc_tally *to, uint32_t channels, const double *values) {
+  for (uint32_t c = 0; c < channels; c++) {
+    if (to[c].moments.count++ == 0) to[c].least = to[c].greatest = values[c];
+    if (values[c] < to[c].least) to[c].least = values[c];
+    if (values[c] > to[c].greatest) to[c].greatest = values[c];
+  }
+}
+
+static inline int asc_criterion_has_moments(const asc_criterion *of) {
+  return of->kind != ASC_BY_CONTRAST && of->kind != ASC_BY_RANGE;
 }
 
 asc_status asc_tally_merge(asc_tally *to, const asc_tally *from, uint32_t channels);

@@ -96,14 +96,13 @@ static asc_status add_point(asc_squares *of, uint32_t pixel, uint32_t x, uint32_
 }
 
 /* Notes that a pixel uses a point. */
-static asc_status use_point(asc_squares *of, uint32_t pixel, uint32_t x, uint32_t y) {
+static asc_status use_point(asc_squares *of, uint32_t pixel, uint32_t x, uint32_t y, uint32_t *found) {
   const uint64_t key = own_key(pixel, x, y);
-  uint32_t found = 0;
-  if (look_up(&of->own, key, &found)) return ASC_OK;
-  const asc_status status = add_point(of, pixel, x, y, &found);
+  if (look_up(&of->own, key, found)) return ASC_OK;
+  const asc_status status = add_point(of, pixel, x, y, found);
   if (status) return status;
   of->spent[pixel]++;
-  return insert(&of->own, key, found);
+  return insert(&of->own, key, *found);
 }
 
 asc_status asc_squares_take(asc_squares *of, asc_integrand integrand, void *context, uint64_t *spent,
@@ -141,8 +140,7 @@ static const double *values_at(const asc_squares *of, uint32_t pixel, uint32_t x
 }
 
 const double *asc_squares_corner(const asc_squares *of, const asc_square *square, int corner) {
-  const uint32_t side = 1u << (of->depth - square->level);
-  return values_at(of, square->pixel, square->x + (corner & 1 ? side : 0), square->y + (corner & 2 ? side : 0));
+  return of->values + (size_t)square->corners[corner] * of->self->channels;
 }
 
 const double *asc_squares_origin(const asc_squares *of, uint32_t pixel) { return values_at(of, pixel, 0, 0); }
@@ -177,11 +175,12 @@ static asc_status add_square(asc_squares *to, asc_square square) {
     to->squares = larger;
     to->capacity = capacity;
   }
-  to->squares[to->count++] = square;
   const uint32_t side = 1u << (to->depth - square.level);
   asc_status status = ASC_OK;
   for (uint32_t corner = 0; corner < 4 && status == ASC_OK; corner++)
-    status = use_point(to, square.pixel, square.x + corner % 2 * side, square.y + corner / 2 * side);
+    status = use_point(to, square.pixel, square.x + corner % 2 * side, square.y + corner / 2 * side,
+                       &square.corners[corner]);
+  to->squares[to->count++] = square;
   return status;
 }
 
@@ -191,9 +190,10 @@ asc_status asc_squares_add_pixel(asc_squares *to, uint32_t pixel) {
 
 asc_status asc_squares_add_points(asc_squares *to, uint32_t pixel, uint32_t start) {
   const uint32_t past = 1u << start, step = 1u << (to->depth - start);
+  uint32_t found = 0;
   asc_status status = ASC_OK;
   for (uint32_t y = 0; y <= past; y++)
-    for (uint32_t x = 0; x <= past && status == ASC_OK; x++) status = use_point(to, pixel, x * step, y * step);
+    for (uint32_t x = 0; x <= past && status == ASC_OK; x++) status = use_point(to, pixel, x * step, y * step, &found);
   return status;
 }
 

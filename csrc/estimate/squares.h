@@ -10,6 +10,7 @@ typedef struct asc_square {
   uint32_t pixel;
   uint32_t x, y; /* of its upper left corner, in steps of the lattice from the pixel's */
   uint32_t level;
+  uint32_t corners[4]; /* numbers of points: upper left, upper right, lower left, lower right */
   int divided;
 } asc_square;
 
@@ -56,7 +57,7 @@ asc_status asc_squares_divide(asc_squares *of, uint32_t square, uint64_t most);
 /* Takes the samples of all new points. */
 asc_status asc_squares_take(asc_squares *of, asc_integrand integrand, void *context, uint64_t *spent, asc_error *error);
 
-/* The values at a corner: 0 upper left, 1 upper right, 2 lower left, 3 lower right. */
+/* The values at a corner. */
 const double *asc_squares_corner(const asc_squares *of, const asc_square *square, int corner);
 
 /* Those at the upper left corner of a pixel. */

@@ -55,8 +55,15 @@ static asc_status prepare(asc_estimator *self, asc_error *error) {
   return unbiased ? asc_prepare_fresh(self, error) : ASC_OK;
 }
 
+static void add(const asc_squares *of, asc_tally *to, const double *values) {
+  if (asc_criterion_has_moments(&of->self->criterion))
+    asc_tally_add_known(to, of->self->channels, values);
+  else
+    asc_tally_add_extent(to, of->self->channels, values);
+}
+
 /* Adds the points of the first lattice within the margin of a square. */
-static asc_status gather(const asc_squares *of, const asc_square *square, double margin, asc_tally *to) {
+static void gather(const asc_squares *of, const asc_square *square, double margin, asc_tally *to) {
   const int64_t side = (int64_t)1 << (of->depth - square->level);
   const int64_t step = (int64_t)1 << (of->depth - (uint32_t)of->self->values[START]);
   const int64_t far = (int64_t)(margin * (double)side);
@@ -64,36 +71,30 @@ static asc_status gather(const asc_squares *of, const asc_square *square, double
   const int64_t past = (int64_t)1 << of->depth;
   const int64_t left = (square->x - far + past + step - 1) / step * step - past;
   const int64_t top = (square->y - far + past + step - 1) / step * step - past;
-  asc_status status = ASC_OK;
   for (int64_t y = top; y <= square->y + side + far; y += step)
-    for (int64_t x = left; x <= square->x + side + far && status == ASC_OK; x += step)
-      status = asc_tally_add(to, of->self->channels, asc_squares_around(of, square->pixel, x, y), 1);
-  return status;
+    for (int64_t x = left; x <= square->x + side + far; x += step)
+      add(of, to, asc_squares_around(of, square->pixel, x, y));
 }
 
 /* Whether the four corners are alike, and those around them. */
-static asc_status ask(const asc_squares *of, const asc_square *square, int *enough) {
+static int ask(const asc_squares *of, const asc_square *square) {
   const uint32_t channels = of->self->channels;
   const double margin = of->self->values[MARGIN];
-  asc_tally tallies[ASC_CHANNELS_MOST] = {0};
-  for (int corner = 0; corner < 4; corner++) {
-    const asc_status status = asc_tally_add(tallies, channels, asc_squares_corner(of, square, corner), 1);
-    if (status) return status;
-  }
-  *enough = asc_criterion_satisfied(&of->self->criterion, channels, tallies);
+  asc_tally tallies[ASC_CHANNELS_MOST];
+  memset(tallies, 0, channels * sizeof *tallies);
+  for (int corner = 0; corner < 4; corner++) add(of, tallies, asc_squares_corner(of, square, corner));
+  if (!asc_criterion_satisfied(&of->self->criterion, channels, tallies)) return 0;
   /* Later squares are smaller than these points are apart. */
-  if (!*enough || margin == 0.0 || square->level > (uint32_t)of->self->values[START]) return ASC_OK;
-  const asc_status status = gather(of, square, margin, tallies);
-  *enough = status == ASC_OK && asc_criterion_satisfied(&of->self->criterion, channels, tallies);
-  return status;
+  if (margin == 0.0 || square->level > (uint32_t)of->self->values[START]) return 1;
+  gather(of, square, margin, tallies);
+  return asc_criterion_satisfied(&of->self->criterion, channels, tallies);
 }
 
 /* One decision of every square that was new; those that are made by it are asked in the next round. */
 static asc_status decide(asc_squares *of, uint32_t first, uint32_t past, uint64_t most) {
   for (uint32_t i = first; i < past; i++) {
-    int enough = 0;
-    asc_status status = of->squares[i].level == of->depth ? ASC_OK : ask(of, &of->squares[i], &enough);
-    if (status == ASC_OK && !enough && of->squares[i].level < of->depth) status = asc_squares_divide(of, i, most);
+    if (of->squares[i].level == of->depth || ask(of, &of->squares[i])) continue;
+    const asc_status status = asc_squares_divide(of, i, most);
     if (status) return status;
   }
   return ASC_OK;

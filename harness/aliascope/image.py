@@ -12,7 +12,7 @@ import numpy as np
 import OpenImageIO as oiio  # the name that its own documentation uses
 
 from aliascope.errors import InvalidInput, NotWritable
-from aliascope.records import Pixels
+from aliascope.records import Counts, Pixels
 
 HEADER_PREFIX = "aliascope:"
 
@@ -44,6 +44,16 @@ def write_exr(path: Path, pixels: Pixels, header: Mapping[str, str]) -> None:
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink()
+
+
+def write_counts(path: Path, counts: Counts, header: Mapping[str, str]) -> None:
+    """Writes the samples of each pixel, (height, width), as an EXR of one channel; float is exact up to 2^24."""
+    write_exr(path, counts.astype(np.float32)[..., np.newaxis], header)
+
+
+def read_counts(path: Path) -> Counts:
+    """What `write_counts` wrote. Raises InvalidInput."""
+    return read_image(path)[..., 0].astype(np.uint32)
 
 
 def _sync(path: Path) -> None:

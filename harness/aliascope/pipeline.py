@@ -224,6 +224,11 @@ def image_path(job: Job) -> str:
     return f"images/{job.scene}/{job.renderer}/{mode[:100]}-{job.seed}-{job.key[:8]}.exr"
 
 
+def counts_path(picture: str) -> str:
+    """Where the samples of the pixels of an adaptive mode lie, beside its picture."""
+    return picture.removesuffix(".exr") + ".counts.exr"
+
+
 def provenance(job: Job, rendering: Rendering, versions: Mapping[str, str]) -> dict[str, str]:
     """The header of a picture's file."""
     shown = {**versions, **plugin_versions(mode_of(job))}
@@ -268,11 +273,10 @@ class Keeper:
             measured = metrics.measure(timed.rendering.pixels, self._references[judged_by(job)])
             spent = time.perf_counter() - begun + timed.seconds
             path = image_path(job)
-            image.write_exr(
-                self._folder / path,
-                timed.rendering.pixels,
-                provenance(job, timed.rendering, self._plan.versions),
-            )
+            header = provenance(job, timed.rendering, self._plan.versions)
+            if timed.rendering.counts is not None:
+                image.write_counts(self._folder / counts_path(path), timed.rendering.counts, header)
+            image.write_exr(self._folder / path, timed.rendering.pixels, header)
             outcome = Outcome(
                 job=job,
                 status="done",
@@ -289,12 +293,13 @@ class Keeper:
         return outcome
 
     def whole(self, outcome: Outcome) -> bool:
-        """Whether the picture of a kept outcome is there, can be read, and has its size."""
+        """Whether the picture of a kept outcome is there, can be read, and has its size; its counts too, if any."""
         try:
-            pixels = image.read_image(self._folder / outcome.image)
+            if mode_of(outcome.job).name == "adaptive":
+                image.read_counts(self._folder / counts_path(outcome.image))
+            return image.read_image(self._folder / outcome.image).shape == (outcome.job.height, outcome.job.width, 3)
         except InvalidInput:
             return False
-        return pixels.shape == (outcome.job.height, outcome.job.width, 3)
 
     def measured_again(self, outcome: Outcome) -> Outcome:
         """A kept outcome with the metrics that there are now, of the picture that is there."""

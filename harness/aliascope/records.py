@@ -117,7 +117,8 @@ class ModeRow:
 
     `mode` is the canonical spec, `label` the same for people to read, with its defaults named.
     `family` groups modes that differ in their sample count alone ("embree uniform sobol:scramble=owen"), for lines in
-    plots. `pixels` is the picture of the first seed; `metrics` maps "rmse" and the like to their estimates.
+    plots. `pixels` is the picture of the first seed, `counts` the samples of its pixels, where they differ; `metrics`
+    maps "rmse" and the like to their estimates.
     """
 
     renderer: str
@@ -130,6 +131,7 @@ class ModeRow:
     pictures: int
     pixels: Pixels
     quantum: float = 0.0
+    counts: Counts | None = None
 
 
 @dataclass(frozen=True)

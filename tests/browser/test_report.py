@@ -335,6 +335,32 @@ def test_keys_leave_fields_alone(open_page: Open) -> None:
     assert fragment(page)["a"] == POVRAY
 
 
+def test_the_samples_of_each_pixel_are_a_view_of_a(open_page: Open, data: ReportData, tmp_path: Path) -> None:
+    scene = data.scenes[0]
+    counts = np.full(scene.reference.shape[:2], 4, np.uint32)
+    counts[10, 20] = 64
+    rows = (replace(scene.rows[0], counts=counts), *scene.rows[1:])
+    path = write_report(tmp_path, replace(data, scenes=(replace(scene, rows=rows), *data.scenes[1:])))
+    page = open_page()
+    assert page.locator("input[name=view][value=samples-a]").count() == 0  # where no mode is adaptive
+    row = scene.rows[0]
+    page.goto(f"{path.as_uri()}#a={row.renderer} {row.mode}&view=samples-a&x=20&y=10")
+    page.wait_for_selector("canvas[data-shows='a samples']")
+    assert page.locator("[data-read=taken]").inner_text().split() == ["A", "took", "64", "samples"]
+    assert re.sub(r"\s+", " ", page.locator(".viewer .error-legend").inner_text()) == "1 sample 8 64 samples"
+    page.keyboard.press("s")
+    page.wait_for_selector("canvas[data-shows='a picture']")
+    page.wait_for_function("() => !location.hash.includes('samples-a')")
+    page.keyboard.press("s")
+    page.wait_for_selector("canvas[data-shows='a samples']")
+    page.wait_for_url("**view=samples-a**")
+    # A mode that takes as many everywhere has one colour, and the reference has none of its own.
+    page.goto(f"{path.as_uri()}#a=reference&view=samples-a&x=20&y=10")
+    page.reload()
+    page.wait_for_selector("canvas[data-shows='a samples']")
+    assert page.locator("[data-read=taken]").count() == 0
+
+
 def test_the_slider_shows_a_left_and_b_right(open_page: Open) -> None:
     both = open_page(BOTH)
     left, right = (5, 20), (35, 20)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from aliascope.cli.shared import Json, Seed, Size, app, print_json, size_of
 
 
-@app.command(epilog="Example: aliascope render edge -r embree -m uniform:n=64 -o edge.exr")
+@app.command(
+    epilog="Examples: aliascope render edge -r embree -m uniform:n=64 -o edge.exr; "
+    "aliascope render edge -r embree -m adaptive:method=whitted,n=72 -o edge.exr --counts counts.exr"
+)
 def render(
     scene: Annotated[str, typer.Argument(help="Name of a scene, or the path of a TOML file.")],
     renderer: Annotated[str, typer.Option("-r", help="Name; see aliascope list renderers.")],
@@ -19,20 +22,29 @@ def render(
     seed: Seed = 0,
     size: Size = None,
     threads: Annotated[int, typer.Option(min=1, max=256)] = 1,
+    counts: Annotated[
+        Path | None,
+        typer.Option(metavar="COUNTS.exr", help="Of an adaptive mode: the samples of each pixel, in one channel."),
+    ] = None,
     time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds until the renderer gives up.")] = 600.0,
     as_json: Json = False,
 ) -> None:
     """Render one scene with one renderer and mode, and say what it cost."""
     from aliascope.studies.single import render_file
 
-    summary = render_file(scene, renderer, mode, out, seed, size_of(size), threads, time_limit)
+    summary = render_file(scene, renderer, mode, out, seed, size_of(size), threads, time_limit, counts)
     if as_json:
         print_json(summary)
     else:
         typer.echo(
-            f"{out}: {summary['width']} x {summary['height']}, {summary['samples_per_pixel']:g} samples a pixel, "
+            f"{out}: {summary['width']} x {summary['height']}, {_samples_of(summary)}, "
             f"{summary['cpu_seconds']:.3g} s of CPU time"
         )
+
+
+def _samples_of(summary: dict[str, Any]) -> str:
+    mean, counts = f"{summary['samples_per_pixel']:.4g} samples a pixel", summary["counts"]
+    return f"{mean} ({counts['least']} to {counts['most']})" if counts else mean
 
 
 @app.command(

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from aliascope.errors import InvalidInput
+from aliascope.errors import InvalidInput, Unsupported
 from aliascope.native.loading import check, error_box, keys, module, text
 from aliascope.native.samplers import Sampler
 
@@ -272,6 +272,15 @@ def canonical(spec: str) -> str:
     made, box = library.ffi.new("char[512]"), error_box(library.ffi)
     check(library, library.lib.asc_estimator_canonical(spec.encode(), made, 512, box), box)
     return text(library, made)
+
+
+def refusal(spec: str, sampler: str, samples: int, dimensions: int = 2, channels: int = 1) -> str | None:
+    """Why an estimator cannot use this sampler, or None. Raises SpecError for values that do not go together."""
+    try:
+        Estimator(spec, sampler, samples, dimensions, channels)
+    except Unsupported as error:
+        return str(error)
+    return None
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 
-from aliascope.errors import JobFailed
+from aliascope.errors import JobFailed, SpecError, near_misses
 from aliascope.model import Scene
-from aliascope.native import filters, samplers, tracer
-from aliascope.records import Cost, Rendering
+from aliascope.native import estimate, filters, samplers, tracer
+from aliascope.records import Cost, Counts, Pixels, Rendering
 from aliascope.renderers.base import Request, filter_of
 from aliascope.specs import Form, Key, Spec
 
@@ -22,12 +22,34 @@ UNIFORM = Form(
     ),
 )
 
+METHODS = ("whitted", "kajiya", "mitchell", "student-t", "chi-squared")
+"""The estimators of the library that decide pixel by pixel how many samples it gets."""
+
+
+def _method(spec: str) -> str:
+    name = spec.partition(":")[0]
+    if name not in METHODS:
+        raise SpecError(f'unknown method "{name}"{near_misses(name, METHODS)}')
+    return estimate.canonical(spec)
+
+
+ADAPTIVE = Form(
+    "adaptive",
+    "as many samples in a pixel as a method finds that it needs; box filter alone",
+    (
+        Key("n", "integer", 64, "the most samples of a pixel", 1, 1 << 24, is_count=True),
+        Key("method", "spec", "kajiya", f"{'|'.join(METHODS)}, with its keys", inner=_method, named=True),
+        Key("sampler", "spec", "sobol:scramble=owen", "the sequence of a pixel", inner=samplers.canonical, named=True),
+        Key("filter", "spec", "box", "the reconstruction filter: box", inner=filters.canonical),
+    ),
+)
+
 
 class Embree:
     name = "embree"
     title = "Embree"
     native: tuple[str, ...] = ("tracer",)
-    modes: Mapping[str, Form] = {UNIFORM.name: UNIFORM}
+    modes: Mapping[str, Form] = {form.name: form for form in (UNIFORM, ADAPTIVE)}
     draws = frozenset(
         {
             *("orthographic", "perspective"),
@@ -43,7 +65,13 @@ class Embree:
         return {"embree": tracer.embree_version()}
 
     def unable(self, scene: Scene, mode: Spec) -> str | None:
-        return samplers.refusal(mode.word("sampler"), mode.integer("n"))
+        sampler, count = mode.word("sampler"), mode.integer("n")
+        reason = samplers.refusal(sampler, count)
+        if reason or mode.name != ADAPTIVE.name:
+            return reason
+        if filter_of(mode) != "box":
+            return f"adaptive modes have the box filter alone: {filter_of(mode)} would need every pixel's samples"
+        return estimate.refusal(mode.word("method"), sampler, count, channels=3)
 
     def seeded(self, mode: Spec) -> bool:
         return samplers.randomised(mode.word("sampler"), mode.integer("n"))
@@ -52,25 +80,35 @@ class Embree:
         """The time limit is looked at between repeats only."""
         started = time.monotonic()
         built = tracer.Tracer(request.scene, (request.width, request.height))
-        sampler, count = request.mode.word("sampler"), request.mode.integer("n")
-        settings = (sampler, count, request.seed, request.threads, filter_of(request.mode))
-        pixels, first = built.render(*settings)
+        pixels, counts, first = _draw(built, request)
         cpu_seconds, wall_seconds, repeats = first.cpu_seconds, first.wall_seconds, 1
         while cpu_seconds < request.least_seconds and time.monotonic() - started < request.time_limit:
-            _, again = built.render(*settings)
+            again = _draw(built, request)[-1]
             cpu_seconds, wall_seconds = cpu_seconds + again.cpu_seconds, wall_seconds + again.wall_seconds
             repeats += 1
         if time.monotonic() - started > request.time_limit:
             raise JobFailed(f"embree {request.mode.text} took more than {request.time_limit:g} s")
         cost = Cost(
             samples=first.samples,
-            samples_per_pixel=float(count),
+            samples_per_pixel=(
+                float(request.mode.integer("n")) if counts is None else first.samples / (request.width * request.height)
+            ),
             rays={"primary": first.primary_rays} | ({"shadow": first.shadow_rays} if request.scene.lights else {}),
             cpu_seconds=cpu_seconds / repeats,
             wall_seconds=wall_seconds / repeats,
             repeats=repeats,
         )
-        return Rendering(pixels, cost)
+        return Rendering(pixels, cost, counts=counts)
+
+
+def _draw(built: tracer.Tracer, request: Request) -> tuple[Pixels, Counts | None, tracer.TracerCost]:
+    """One picture, and the samples of its pixels where they differ."""
+    mode = request.mode
+    common = (mode.word("sampler"), mode.integer("n"), request.seed, request.threads)
+    if mode.name == ADAPTIVE.name:
+        return built.render_adaptive(mode.word("method"), *common)
+    pixels, cost = built.render(*common, filter_of(mode))
+    return pixels, None, cost
 
 
 RENDERER = Embree()

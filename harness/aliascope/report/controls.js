@@ -7,6 +7,7 @@ const helpOfKeys = [
   ["← ↑ → ↓", "walk the pixel; with shift by ten"],
   ["space", "blink; again: the other picture"],
   ["e", "error A, error B, both, none"],
+  ...(withSamples ? [["s", "how many samples each pixel of A took, and back"]] : []),
   ["r", "the reference as A, and back"],
   ["m", "to the largest error of A; with shift of B"],
   ["+  −  0", "zoom in, out, fit"],
@@ -111,7 +112,7 @@ class Controls {
   }
 
   /** The linear values of a pixel, and what A and B are off by. */
-  read({ x, y, reference, a, b }) {
+  read({ x, y, taken, reference, a, b }) {
     this.values = { x, y, reference, a, b };
     this.place.textContent = `pixel (${x}, ${y})`;
     const chip = (values) => {
@@ -128,6 +129,10 @@ class Controls {
       line("reference", "reference", reference, false, chip(reference)),
       line("A", "a", a, false, chip(a)),
       line("B", "b", b, false, chip(b)));
+    if (withSamples && Number.isFinite(taken)) {
+      this.values_.append(h("tr", { "data-read": "taken" }, h("th", { scope: "row" }, "A took"),
+        h("td", { class: "number", colspan: 3 }, counted(Number(taken.toPrecision(4)), "sample"))));
+    }
     this.differences.replaceChildren(
       ...[["a", a], ["b", b]].map(([slot, values]) => line(`${slot.toUpperCase()} − ref`, `${slot}-error`, off(values), true, null)));
   }

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from aliascope.records import Estimate, ModeRow, ReportData, SceneSection
-from aliascope.report.encode import PictureStore, error_map, error_scale, worst_pixel
+from aliascope.report.encode import PictureStore, counts_picture, error_map, error_scale, worst_pixel
 from aliascope.report.pool import Curve, curve_of, in_common, pool, under_one_filter
 from aliascope.report.spectra import SceneSpectra, check_size, spectra_json
 
@@ -61,6 +61,7 @@ def _scene(scene: SceneSection, data: ReportData, pictures: PictureStore, spectr
         "height": scene.reference.shape[0],
         "reference": pictures.add(scene.reference),
         "scale": error_scale(errors),
+        "mostSamples": max((int(row.counts.max()) for row in scene.rows if row.counts is not None), default=None),
         "rows": [
             {**_curve(curve_of(row)), **_picture(row, worst_pixel(error), pictures)}
             for row, error in zip(scene.rows, errors, strict=True)
@@ -73,6 +74,7 @@ def _scene(scene: SceneSection, data: ReportData, pictures: PictureStore, spectr
 def _picture(row: ModeRow, worst: tuple[int, int], pictures: PictureStore) -> dict[str, Json]:
     return {
         "picture": pictures.add(row.pixels),
+        "counts": pictures.add(counts_picture(row.counts)) if row.counts is not None else None,
         "worst": list(worst),
         "notFinite": int((~np.isfinite(row.pixels)).any(axis=2).sum()),
     }

@@ -23,7 +23,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from aliascope.records import Pixels
+from aliascope.records import Counts, Pixels
 
 PLANES, PALETTE = 0, 1
 LARGEST_PALETTE = 1 << 16
@@ -93,6 +93,11 @@ class PictureStore:
             self._known[digest] = len(self.texts)
             self.texts.append(encode_picture(pixels))
         return self._known[digest]
+
+
+def counts_picture(counts: Counts) -> Pixels:
+    """The samples of each pixel as a picture of three equal channels; float is exact up to 2^24."""
+    return np.repeat(counts.astype(np.float32)[..., np.newaxis], 3, axis=2)
 
 
 def error_map(pixels: Pixels, reference: Pixels) -> NDArray[np.float64]:

@@ -101,6 +101,7 @@ function keys(event, viewer) {
   } else if (event.key in arrows && onPictures) viewer.walk(...arrows[event.key]);
   else if (event.key === " " && onPictures && !onButton) viewer.blink();
   else if (event.key === "e") viewer.nextError();
+  else if (event.key === "s") viewer.toggleSamples();
   else if (event.key === "r") viewer.toggleReference();
   else if (event.key === "m" || event.key === "M") viewer.worst(event.shiftKey ? "b" : "a");
   else if (event.key === "+" || event.key === "=") viewer.zoomBy(1);

@@ -66,6 +66,12 @@ async function picture(id, scene) {
 
 const pictureOf = (scene, row) => picture(row ? row.picture : scene.reference, scene);
 
+/** The samples of each pixel: a picture, one number where all have as many, null for the reference. */
+function samplesOf(scene, row) {
+  if (!row) return null;
+  return row.counts === null ? row.spp : picture(row.counts, scene);
+}
+
 // Linear to sRGB (IEC 61966-2-1), rounded to 8 bits.
 
 function srgbByte(linear) {
@@ -132,6 +138,44 @@ function paintError({ values, width, height }, reference, scale) {
     image.data[o + 3] = 255;
   }
   return image;
+}
+
+// Samples of each pixel: even steps of lightness for even ratios, dark where few were enough.
+
+const samplesLow = [0.2, 0.01, -0.09];
+const samplesMiddle = [0.6, 0.0, -0.02];
+const samplesHigh = [0.96, -0.02, 0.12];
+
+/** The colour of a number of samples, 1 to `most`. */
+function samplesColour(count, most) {
+  const share = clamp(Math.log(Math.max(count, 1)) / Math.log(Math.max(most, 2)), 0, 1);
+  const [low, high] = share < 0.5 ? [samplesLow, samplesMiddle] : [samplesMiddle, samplesHigh];
+  const at = share < 0.5 ? 2 * share : 2 * share - 1;
+  return oklabToBytes(low.map((value, i) => value + at * (high[i] - value)));
+}
+
+/** `samples` as a picture, or one number for all pixels of a scene. */
+function paintSamples(samples, { width, height }, most) {
+  const image = new ImageData(width, height);
+  for (let i = 0, o = 0; o < image.data.length; i += 3, o += 4) {
+    image.data.set(samplesColour(typeof samples === "number" ? samples : samples.values[i], most), o);
+    image.data[o + 3] = 255;
+  }
+  return image;
+}
+
+/** The scale of the samples, printed; for all modes of a scene it is the same. */
+function samplesLegend(most) {
+  const bar = h("span", { class: "bar", "aria-hidden": "true" });
+  const colours = Array.from({ length: 33 }, (_, i) => `rgb(${samplesColour(most ** (i / 32), most).join(" ")})`);
+  bar.style.backgroundImage = `linear-gradient(to right, ${colours.join(", ")})`;
+  return h(
+    "p",
+    { class: "error-legend" },
+    h("span", { class: "end" }, "1", h("small", {}, "sample")),
+    h("span", { class: "middle" }, bar, h("small", {}, String(Number(Math.sqrt(most).toPrecision(2))))),
+    h("span", { class: "end" }, String(most), h("small", {}, "samples")),
+  );
 }
 
 /** A picture averaged over squares of `factor` pixels, for a thumbnail. */

@@ -1,9 +1,10 @@
 // What is shown, all of it in the fragment of the URL: a link shows what was seen.
 
-const views = ["side", "slider", "blink", "error-a", "error-b", "errors"];
+const withSamples = documentData.scenes.some((scene) => scene.mostSamples !== null);
+const views = ["side", "slider", "blink", "error-a", "error-b", "errors", ...(withSamples ? ["samples-a"] : [])];
 const viewNames = {
   side: "A | B", slider: "slider", blink: "blink",
-  "error-a": "error A", "error-b": "error B", errors: "errors A | B",
+  "error-a": "error A", "error-b": "error B", errors: "errors A | B", "samples-a": "samples A",
 };
 const referenceName = "reference";
 const sceneByName = new Map(documentData.scenes.map((scene) => [scene.name, scene]));

@@ -12,7 +12,10 @@ const panesOf = {
   "error-a": [["a", "error"]],
   "error-b": [["b", "error"]],
   errors: [["a", "error"], ["b", "error"]],
+  "samples-a": [["a", "samples"]],
 };
+
+const kindNames = { error: "signed error", samples: "samples of each pixel" };
 
 class Viewer {
   constructor() {
@@ -62,9 +65,10 @@ class Viewer {
     const [a, b] = [rowOf(scene, state.a), rowOf(scene, state.b)];
     const wanted = { scene, a, b };
     this.wanted = wanted;
-    const [reference, ...pictures] = await Promise.all([null, a, b].map((row) => pictureOf(scene, row)));
+    const [samples, reference, ...pictures] = await Promise.all(
+      [samplesOf(scene, a), ...[null, a, b].map((row) => pictureOf(scene, row))]);
     if (this.wanted !== wanted) return; // another was chosen meanwhile
-    this.loaded = { ...wanted, reference, pictures: { a: pictures[0], b: pictures[1] } };
+    this.loaded = { ...wanted, reference, samples, pictures: { a: pictures[0], b: pictures[1] } };
     this.paint();
   }
 
@@ -73,16 +77,27 @@ class Viewer {
     const { scene, reference, pictures } = this.loaded;
     const row = this.loaded[slot];
     const scale = scaleOf(scene);
-    const key = [scene.name, row ? identity(row) : "", kind, kind === "error" ? scale : state.exposure].join("\n");
+    const setting = { error: scale, picture: state.exposure, samples: "" }[kind];
+    const key = [scene.name, row ? identity(row) : "", kind, setting].join("\n");
     let canvas = this.layers.get(key);
     if (!canvas) {
       if (this.layers.size > 15) this.layers.delete(this.layers.keys().next().value);
       canvas = h("canvas", { width: scene.width, height: scene.height });
-      const image = kind === "error" ? paintError(pictures[slot], reference, scale) : paintPicture(pictures[slot], state.exposure);
+      const image = {
+        error: () => paintError(pictures[slot], reference, scale),
+        picture: () => paintPicture(pictures[slot], state.exposure),
+        samples: () => paintSamples(this.loaded.samples ?? 1, scene, this.mostSamples()),
+      }[kind]();
       canvas.getContext("2d").putImageData(image, 0, 0);
       this.layers.set(key, canvas);
     }
     return canvas;
+  }
+
+  /** The end of the scale of samples: that of the scene's adaptive modes, or of a mode that takes more everywhere. */
+  mostSamples() {
+    const { scene, samples } = this.loaded;
+    return Math.max(2, scene.mostSamples ?? 0, typeof samples === "number" ? samples : 0);
   }
 
   /** Sizes of the panes in CSS pixels, and the whole zoom that fits. */
@@ -130,7 +145,9 @@ class Viewer {
     this.splitter.value = state.split;
     this.splitter.style.width = `${layout.width}px`;
     const withError = shown.some(([, kind]) => kind === "error");
-    this.legend.replaceChildren(...(withError ? [errorLegend(scaleOf(this.loaded.scene))] : []));
+    const withSamples_ = shown.some(([, kind]) => kind === "samples");
+    this.legend.replaceChildren(
+      ...(withError ? [errorLegend(scaleOf(this.loaded.scene))] : []), ...(withSamples_ ? [samplesLegend(this.mostSamples())] : []));
     this.controls.show(layout);
     this.read();
   }
@@ -197,8 +214,8 @@ class Viewer {
     const letter = slot === "blink" ? this.shown : slot;
     pane.badge.textContent = slot === "ab" ? "A | B" : letter.toUpperCase();
     const parts = slot === "ab" ? [describe("a"), h("span", { class: "soft" }, " | "), describe("b")] : describe(letter);
-    pane.name.replaceChildren(...[kind === "error" ? h("span", { class: "soft" }, "signed error, ") : null, parts].flat(Infinity).filter(Boolean));
-    pane.canvas.setAttribute("aria-label", `${kind === "error" ? "signed error of " : ""}${pane.name.textContent}`);
+    pane.name.replaceChildren(...[kindNames[kind] ? h("span", { class: "soft" }, `${kindNames[kind]}, `) : null, parts].flat(Infinity).filter(Boolean));
+    pane.canvas.setAttribute("aria-label", pane.name.textContent);
     pane.canvas.dataset.shows = `${letter} ${kind}`;
   }
 
@@ -209,7 +226,9 @@ class Viewer {
     const [x, y] = this.hovered ?? [state.x, state.y];
     const i = 3 * (y * scene.width + x);
     const at = (values) => [values[i], values[i + 1], values[i + 2]];
-    this.controls.read({ x, y, reference: at(reference.values), a: at(pictures.a.values), b: at(pictures.b.values) });
+    const { samples } = this.loaded;
+    const taken = typeof samples === "number" ? samples : samples?.values[i];
+    this.controls.read({ x, y, taken, reference: at(reference.values), a: at(pictures.a.values), b: at(pictures.b.values) });
   }
 
   pixelAt(event, { canvas }) {
@@ -328,6 +347,11 @@ class Viewer {
     }
     this.playing = false;
     this.flip();
+  }
+
+  /** The samples of A, and back. */
+  toggleSamples() {
+    if (withSamples) change({ view: state.view === "samples-a" ? "side" : "samples-a" });
   }
 
   nextError() {

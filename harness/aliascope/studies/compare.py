@@ -187,6 +187,7 @@ def _row(outcomes: Sequence[Outcome], folder: Path) -> ModeRow:
     first = outcomes[0]
     assert first.cost is not None
     spec = renderers.mode_of(renderers.find(first.job.renderer), first.job.mode)
+    counts = folder / pipeline.counts_path(first.image)
     return ModeRow(
         renderer=first.job.renderer,
         mode=first.job.mode,
@@ -198,6 +199,7 @@ def _row(outcomes: Sequence[Outcome], folder: Path) -> ModeRow:
         pictures=len(outcomes),
         pixels=image.read_image(folder / first.image),
         quantum=first.quantum,
+        counts=image.read_counts(counts) if counts.is_file() else None,
     )
 
 

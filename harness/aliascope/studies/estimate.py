@@ -126,6 +126,9 @@ def telling(most: int, dimensions: int, spread: float) -> list[str]:
         "stratified": [f"n={cells * n}" for n in (1, 16) if cells * n <= most],
         "student-t": [half, f"{half},minimum=32", f"{half},unbiased=1"],
         "chi-squared": [deviation, f"{deviation},minimum=32", f"{deviation},unbiased=1"],
+        "whitted": ["", "unbiased=1"],
+        "kajiya": ["", "unbiased=1"],
+        "mitchell": ["", "cells=1,margin=0", "unbiased=1"],
     }
     found = []
     for info in native.registered():

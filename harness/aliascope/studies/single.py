@@ -11,6 +11,7 @@ from typing import Any
 from aliascope import api, image, metrics, pipeline, plan, references, renderers, scene_io
 from aliascope.errors import InvalidInput, NotWritable
 from aliascope.native import filters
+from aliascope.records import Rendering
 from aliascope.references import files
 from aliascope.renderers.base import LEAST_SECONDS, Request
 from aliascope.studies.progress import converging
@@ -25,12 +26,17 @@ def render_file(
     size: tuple[int, int] | None,
     threads: int,
     time_limit: float = Request.time_limit,
+    counts: Path | None = None,
 ) -> dict[str, Any]:
-    """Renders to a file, and gives the figures of `aliascope render --json`."""
+    """Renders to a file, and gives the figures of `aliascope render --json`; the samples of each pixel to `counts`."""
     _check_out(out)
+    if counts is not None:
+        _check_out(counts)
     file = scene_io.load(scene)
     found = renderers.find(renderer)
     spec = renderers.mode_of(found, mode)
+    if counts is not None and spec.name != "adaptive":
+        raise InvalidInput(f"--counts is for adaptive modes: {spec.name} takes as many samples in every pixel")
     least = LEAST_SECONDS if threads == 1 else 0.0
     rendering = api.render(
         file,
@@ -55,7 +61,10 @@ def render_file(
         seed=seed,
         versions=versions,
     )
-    image.write_exr(out, rendering.pixels, pipeline.provenance(job, rendering, versions))
+    header = pipeline.provenance(job, rendering, versions)
+    image.write_exr(out, rendering.pixels, header)
+    if counts is not None and rendering.counts is not None:
+        image.write_counts(counts, rendering.counts, header)
     cost = rendering.cost
     return {
         "scene": file.name,
@@ -66,6 +75,7 @@ def render_file(
         "height": height,
         "samples": cost.samples,
         "samples_per_pixel": cost.samples_per_pixel,
+        "counts": _counts(rendering, counts),
         "rays": dict(cost.rays),
         "cpu_seconds": cost.cpu_seconds,
         "wall_seconds": cost.wall_seconds,
@@ -75,6 +85,14 @@ def render_file(
         "versions": {**versions, **pipeline.plugin_versions(spec)},
         "image": str(out),
     }
+
+
+def _counts(rendering: Rendering, path: Path | None) -> dict[str, Any] | None:
+    """How the samples of the pixels differ; None where they do not."""
+    if rendering.counts is None:
+        return None
+    least, most = int(rendering.counts.min()), int(rendering.counts.max())
+    return {"least": least, "most": most, "image": str(path) if path else None}
 
 
 def _check_out(out: Path) -> None:
