@@ -344,7 +344,9 @@ class Scene(Part):
         """What the scene asks of a renderer, read off its contents: "disc", "zone-plate", "lens", "point light"..."""
         needs = self.needs()
         found: set[str] = {self.camera.type}
-        asked = {"lens": needs.lens, "motion": needs.shutter, "mirror": needs.mirror, "gloss": needs.gloss}
+        asked = {"lens": needs.lens, "mirror": needs.mirror, "gloss": needs.gloss}
+        # Reading a scene file leaves motion only where a shutter is open (`motion.at`).
+        asked["motion"] = any(surface.motion for surface in self.surfaces)
         asked["diffuse bounces"] = needs.diffuse_bounces > 0
         found.update(name for name, there in asked.items() if there)
         for surface in self.surfaces:
