@@ -340,7 +340,7 @@ def test_the_samples_of_each_pixel_are_a_view_of_a(open_page: Open, data: Report
     counts = np.full(scene.reference.shape[:2], 4, np.uint32)
     counts[10, 20] = 64
     rows = (replace(scene.rows[0], counts=counts), *scene.rows[1:])
-    path = write_report(tmp_path, replace(data, scenes=(replace(scene, rows=rows), *data.scenes[1:])))
+    path = written(tmp_path, replace(data, scenes=(replace(scene, rows=rows), *data.scenes[1:])))
     page = open_page()
     assert page.locator("input[name=view][value=samples-a]").count() == 0  # where no mode is adaptive
     row = scene.rows[0]
