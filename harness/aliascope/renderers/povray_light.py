@@ -13,6 +13,7 @@ import numpy as np
 
 from aliascope.geometry import Array, Surfaces, surfaces_of
 from aliascope.model import BLACK, Colour, Material, PointLight, Scene
+from aliascope.renderers.povray_frames import moments
 from aliascope.renderers.povray_limits import unit
 
 FADE_SHARE = 1e-3
@@ -32,8 +33,17 @@ class Lighting:
     fade_distances: tuple[float, ...]
 
 
-def lighting_of(scene: Scene) -> Lighting:
-    """Bounds that need no picture: every light shines squarely on the nearest point of every surface."""
+def lighting_of(scene: Scene, times: Array | None = None) -> Lighting:
+    """Bounds that need no picture: every light shines squarely on the nearest point of every surface, at the times at
+    which the scene is looked at."""
+    if not any(light.falloff == "inverse-square" for light in scene.lights):
+        times = None  # no distance matters
+    found = [_lighting_at(moment) for moment in moments(scene, times)]
+    fades = zip(*(each.fade_distances for each in found), strict=True)
+    return Lighting(max(each.peak for each in found), tuple(min(each) for each in fades))
+
+
+def _lighting_at(scene: Scene) -> Lighting:
     names = tuple(dict.fromkeys(surface.material for surface in scene.surfaces))
     lit = np.array([scene.materials[name].albedo != BLACK for name in names], dtype=bool)
     received = np.zeros((len(names), 3))
