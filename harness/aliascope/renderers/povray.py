@@ -101,7 +101,7 @@ class PovRay:
 
     def unable(self, scene: Scene, mode: Spec) -> str | None:
         """Why the picture would not be this scene: a count that the mode lacks, light or places beyond its range."""
-        reason = unable_mode(mode, scene.needs()) or too_long(scene, mode, Request.time_limit)
+        reason = unable_mode(mode, scene) or too_long(scene, mode, Request.time_limit)
         if reason:
             return reason
         times = times_within(scene)
@@ -144,7 +144,7 @@ class PovRay:
                 wanted = math.ceil(request.least_seconds / max(seconds, CLOCK_STEP)) - 1
                 remaining = max(0.0, request.time_limit - (time.monotonic() - start))
                 statistics += _run(job, count * min(max(wanted, 1), MOST_FRAMES // count), remaining)
-        cost = _cost(statistics, count, request.width * request.height)
+        cost = _cost(statistics, count, request.width * request.height, frames.blur is not None)
         return Rendering(pixels, cost, output.quantum)
 
 
@@ -245,14 +245,18 @@ def _box_averaged(pixels: Array | Pixels, side: int, exposure: float) -> Pixels:
     return means
 
 
-def _cost(statistics: list[Statistics], frames: int, pixels: int) -> Cost:
-    """The cost of one picture of so many frames and pixels, over as many pictures as there are statistics for."""
+def _cost(statistics: list[Statistics], frames: int, pixels: int, blurred: bool) -> Cost:
+    """The cost of one picture of so many frames and pixels, over as many pictures as there are statistics for.
+
+    blurred: by POV-Ray's own lens, whose rays it does not count as samples.
+    """
     repeats = len(statistics) // frames
-    samples = sum(frame.pixels + frame.samples for frame in statistics[:frames])
+    rays = sum(frame.rays for frame in statistics[:frames])
+    samples = rays if blurred else sum(frame.pixels + frame.samples for frame in statistics[:frames])
     return Cost(
         samples=samples,
         samples_per_pixel=samples / pixels,
-        rays={"camera": sum(frame.rays for frame in statistics[:frames])},
+        rays={"camera": rays},
         cpu_seconds=sum(frame.cpu_seconds for frame in statistics) / repeats,
         wall_seconds=sum(frame.wall_seconds for frame in statistics) / repeats,
         repeats=repeats,

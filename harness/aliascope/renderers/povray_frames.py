@@ -18,27 +18,54 @@ from aliascope.geometry import Array
 from aliascope.model import Scene
 from aliascope.native import samplers
 from aliascope.native.warps import DISC
-from aliascope.renderers.povray_modes import ACCUMULATE, dimensions
+from aliascope.renderers.povray_modes import ACCUMULATE, FOCAL_BLUR, dimensions
 from aliascope.specs import Spec
 
 MOMENTS = 65
 """Evenly spaced moments of a shutter at which a scene is looked at before the times of its frames are known."""
 
 
+APERTURE = 4.0
+"""Of POV-Ray's camera, over the radius of the lens that acts (measured; its manual makes it the diameter, 2)."""
+
+PICTURE_SHIFT = 1.0 / 32.0
+"""Pixels to the right and down by which focal blur moves the picture (measured with an edge at all phases)."""
+
+
+@dataclass(frozen=True)
+class FocalBlur:
+    """POV-Ray's own lens. aperture: over the radius of the scene's lens; the others as POV-Ray has them."""
+
+    aperture: float
+    samples: int
+    confidence: float
+    variance: float
+
+
 @dataclass(frozen=True)
 class Frames:
     """The frames that make a picture. shifts (n, 2): pixels to the right and down from the centres of the pixels;
     weights (n,); times (n,) in [0, 1], None for a scene that stands still; lens (n, 2): to the right and up from the
-    middle of the lens, in the scene's units, None without a lens."""
+    middle of the lens, in the scene's units, None without a lens. blur: POV-Ray's own lens, in its place."""
 
     shifts: Array
     weights: Array
     times: Array | None = None
     lens: Array | None = None
+    blur: FocalBlur | None = None
 
 
 def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
     """One frame without a shift, or those of `accumulate`. Raises Unsupported for a count that the sampler lacks."""
+    if mode.name == FOCAL_BLUR.name:
+        compensated = mode.word("compensation") == "on"
+        blur = FocalBlur(
+            APERTURE if compensated else 2.0,
+            mode.integer("blur_samples"),
+            mode.real("confidence"),
+            mode.real("variance"),
+        )
+        return Frames(np.full((1, 2), PICTURE_SHIFT if compensated else 0.0), np.ones(1), blur=blur)
     if mode.name != ACCUMULATE.name:
         return Frames(np.zeros((1, 2)), np.ones(1))
     sampler, count, needs = mode.word("sampler"), mode.integer("n"), scene.needs()

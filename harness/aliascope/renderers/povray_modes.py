@@ -60,6 +60,24 @@ ACCUMULATE = Form(
     ),
 )
 
+FOCAL_BLUR = Form(
+    "focal-blur",
+    "POV-Ray's own lens: rays through random points of it, until a test says that their mean is sure enough. It is "
+    "round, and for scenes with a lens, whose radius and focus become its aperture and focal_point",
+    (
+        Key("blur_samples", "integer", 64, "rays a pixel at most; 4, 7, 19, 37 are lattices", 1, 4096, is_count=True),
+        Key("confidence", "real", 0.9, "of the chi-squared test that stops the rays", 0.001, 0.999),
+        Key("variance", "real", 1.0 / 128.0, "of the mean that is enough; 0 takes all the rays", 0.0, 1.0),
+        Key(
+            "compensation",
+            "choice",
+            "on",
+            "of what POV-Ray 3.7 does: half the aperture, and pictures 1/32 pixel off; off: as its manual reads",
+            choices=("on", "off"),
+        ),
+    ),
+)
+
 FORMS = (
     Form("none", "one ray through the centre of each pixel (-A)"),
     Form(
@@ -78,6 +96,7 @@ FORMS = (
         (Key("n", "integer", 16, "samples a pixel, a square number", 1, 1 << 14, is_count=True),),
     ),
     ACCUMULATE,
+    FOCAL_BLUR,
 )
 
 
@@ -104,17 +123,23 @@ def samples_per_pixel(mode: Spec) -> int:
     return mode.integer("n") if mode.name in ("regular", ACCUMULATE.name) else 1
 
 
-def unable_mode(mode: Spec, needs: Needs) -> str | None:
+def unable_mode(mode: Spec, scene: Scene) -> str | None:
     """Why the mode has no such count or lacks what the scene needs, or None."""
+    needs = scene.needs()
     if grid_side(mode) is None:
         n = mode.integer("n")
         below = math.isqrt(n)
         return f"regular:n={n} is not a square number; the nearest are {below**2} and {(below + 1) ** 2}"
     if mode.name == ACCUMULATE.name:
         return samplers.refusal(mode.word("sampler"), mode.integer("n"), dimensions(needs))
-    missing = [name for name, needed in (("motion", needs.shutter), ("a lens", needs.lens)) if needed]
+    blurs = mode.name == FOCAL_BLUR.name
+    if blurs and not needs.lens:
+        return "focal-blur needs a lens, and this scene has none"
+    missing = [name for name, lacking in (("motion", needs.shutter), ("a lens", needs.lens and not blurs)) if lacking]
     if missing:
-        return f"{mode.name} of POV-Ray has no {' and no '.join(missing)}: accumulate has"
+        return f"{mode.name} of POV-Ray does not draw {' and '.join(missing)}: accumulate does"
+    if blurs and scene.camera.blades >= 3:
+        return f"the lens of POV-Ray's focal-blur is round, and this one has {scene.camera.blades} blades"
     return None
 
 

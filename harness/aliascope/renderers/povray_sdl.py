@@ -17,7 +17,7 @@ import numpy as np
 
 from aliascope.geometry import Array, Frame, Surfaces, frame_of, surfaces_of
 from aliascope.model import BLACK, Colour, DirectionalLight, Material, PointLight, Scene, Vector
-from aliascope.renderers.povray_frames import Frames, moments
+from aliascope.renderers.povray_frames import FocalBlur, Frames, moments
 from aliascope.renderers.povray_light import lighting_of, pattern_colours
 from aliascope.renderers.povray_limits import FARTHEST, unit, world_scale
 
@@ -62,7 +62,7 @@ def scene_text(scene: Scene, size: tuple[int, int], exposure: float = 1.0, frame
     lines = [
         "#version 3.7;",
         "global_settings { assumed_gamma 1.0 adc_bailout 0 }",
-        *_camera(scene, frame_of(scene, size), world.scale, frames),
+        *_camera(scene, frame_of(scene, size), world.scale, frames, exposure),
         f"background {{ {_colour(background)} }}",
     ]
     for number, name in enumerate(names):
@@ -118,7 +118,7 @@ def _objects(surfaces: Surfaces, names: tuple[str, ...], world: World) -> Iterab
         yield f"plane {{ {_vector(upright)}, {_number(offset)} texture {{ Material_{index[number]} }} }}"
 
 
-def _camera(scene: Scene, frame: Frame, scale: float, frames: Frames) -> list[str]:
+def _camera(scene: Scene, frame: Frame, scale: float, frames: Frames, exposure: float) -> list[str]:
     """The camera; of several frames, the one of the frame's number.
 
     Through a point of the lens the camera looks from there, its picture skewed so that what is in focus stays.
@@ -142,8 +142,24 @@ def _camera(scene: Scene, frame: Frame, scale: float, frames: Frames) -> list[st
     else:
         aim = f"orthographic location {shift} direction {direction}"
     across, upward = 2.0 * sides * frame.half_width * frame.right, 2.0 * sides * frame.half_height * frame.up
-    lines.append(f"camera {{ {aim} right {_vector(across)} up {_vector(upward)} }}")
+    aim += f" right {_vector(across)} up {_vector(upward)}"
+    if frames.blur:
+        aim += _focal_blur(scene, frame, scale, frames.blur, exposure)
+    lines.append(f"camera {{ {aim} }}")
     return lines
+
+
+def _focal_blur(scene: Scene, frame: Frame, scale: float, blur: FocalBlur, exposure: float) -> str:
+    """The camera's statements; the variance is that of colours as POV-Ray sees them, divided by the exposure."""
+    camera = scene.camera
+    assert camera.lens_radius is not None
+    assert camera.focus_distance is not None
+    return (
+        f" aperture {_number(scale * blur.aperture * camera.lens_radius)}"
+        f" focal_point {_vector(scale * camera.focus_distance * frame.forward)}"
+        f" blur_samples {blur.samples} confidence {_number(blur.confidence)}"
+        f" variance {_number(blur.variance / exposure**2)}"
+    )
 
 
 def _chosen(lines: list[str], name: str, vectors: Array) -> str:
