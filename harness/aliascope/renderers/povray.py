@@ -88,7 +88,7 @@ class PovRay:
             *("orthographic", "perspective"),
             *("polygon", "mesh", "disc", "sphere", "plane"),
             *("zone-plate", "checker"),
-            *("point light", "directional light"),
+            *("point light", "directional light", "area light"),
             *("lens", "motion"),
         }
     )
@@ -134,7 +134,10 @@ class PovRay:
             raise NotWritable(f"no scratch folder for POV-Ray: {error.strerror}") from error
         with scratch as name:
             folder = Path(name)
-            options = (*antialiasing(request.mode, output.exposure), f"+WT{request.threads}")
+            options = (
+                *antialiasing(request.mode, output.exposure),
+                f"+WT{1 if frames.grid.jitter else request.threads}",
+            )
             job = _Job(path, folder, side * size[0], side * size[1], options, output)
             _write(folder, request, output.exposure, frames)
             statistics = _run(job, count, request.time_limit)

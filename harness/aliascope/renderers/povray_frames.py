@@ -43,16 +43,28 @@ class FocalBlur:
 
 
 @dataclass(frozen=True)
+class LightGrid:
+    """The points on an area light: side x side of them; the first level of adaptive sampling, "off" for all points;
+    whether they are moved at random."""
+
+    side: int = 8
+    adaptive: str = "off"
+    jitter: bool = False
+
+
+@dataclass(frozen=True)
 class Frames:
     """The frames that make a picture. shifts (n, 2): pixels to the right and down from the centres of the pixels;
     weights (n,); times (n,) in [0, 1], None for a scene that stands still; lens (n, 2): to the right and up from the
-    middle of the lens, in the scene's units, None without a lens. blur: POV-Ray's own lens, in its place."""
+    middle of the lens, in the scene's units, None without a lens. blur: POV-Ray's own lens, in its place. grid: of each
+    area light."""
 
     shifts: Array
     weights: Array
     times: Array | None = None
     lens: Array | None = None
     blur: FocalBlur | None = None
+    grid: LightGrid = LightGrid()
 
 
 def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
@@ -65,9 +77,11 @@ def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
             mode.real("confidence"),
             mode.real("variance"),
         )
-        return Frames(np.full((1, 2), PICTURE_SHIFT if compensated else 0.0), np.ones(1), blur=blur)
+        return Frames(
+            np.full((1, 2), PICTURE_SHIFT if compensated else 0.0), np.ones(1), blur=blur, grid=light_grid(mode)
+        )
     if mode.name != ACCUMULATE.name:
-        return Frames(np.zeros((1, 2)), np.ones(1))
+        return Frames(np.zeros((1, 2)), np.ones(1), grid=light_grid(mode))
     sampler, count, needs = mode.word("sampler"), mode.integer("n"), scene.needs()
     width = dimensions(needs)
     points = samplers.points(sampler, count, width, seed)
@@ -76,7 +90,13 @@ def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
         samplers.weights(sampler, count, width),
         shutter_times(scene, points[:, 2]) if needs.shutter else None,
         lens_points(scene, points[:, width - 2 :]) if needs.lens else None,
+        grid=light_grid(mode),
     )
+
+
+def light_grid(mode: Spec) -> LightGrid:
+    """What the mode says of area lights."""
+    return LightGrid(int(mode.word("light_grid")), mode.word("light_adaptive"), mode.word("light_jitter") == "on")
 
 
 def shutter_times(scene: Scene, u: Array) -> Array:

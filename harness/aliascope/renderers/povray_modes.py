@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from aliascope.errors import Unsupported
-from aliascope.model import LoadedMesh, Needs, Scene
+from aliascope.model import AreaLight, LoadedMesh, Needs, Scene
 from aliascope.native import samplers
 from aliascope.specs import Form, Key, Spec
 
@@ -39,6 +39,25 @@ _LEVELS = Key(
     "depth", "integer", 3, "levels; (2^(depth-1)+1)^2 samples at most, 1 is corners alone", 1, 9, is_count=True
 )
 
+_AREA_LIGHTS = (
+    Key(
+        "light_grid",
+        "choice",
+        "8",
+        "side of the grid of points on an area light, all of the same weight",
+        choices=("2", "4", "8", "16"),
+    ),
+    Key(
+        "light_adaptive",
+        "choice",
+        "off",
+        "level of the grid that is looked at first, the rest where it is partly in shadow",
+        choices=("off", "0", "1", "2", "3"),
+    ),
+    Key("light_jitter", "choice", "off", "moves the points of an area light, in one thread", choices=("off", "on")),
+)
+"""Of a 5 x 5, 9 x 9 or 17 x 17 grid POV-Ray weighs the border by half, of 32 x 32 it weighs points unevenly."""
+
 
 def _sampler(spec: str) -> str:
     """The canonical form of a pattern, also of one in space and time alone, whose counts may be squares of 4. Raises
@@ -57,6 +76,7 @@ ACCUMULATE = Form(
     (
         Key("n", "integer", 16, "frames, the samples a pixel", 1, 4096, is_count=True),
         Key("sampler", "spec", "halton", "the pattern", inner=_sampler, named=True),
+        *_AREA_LIGHTS,
     ),
 )
 
@@ -75,25 +95,26 @@ FOCAL_BLUR = Form(
             "of what POV-Ray 3.7 does: half the aperture, and pictures 1/32 pixel off; off: as its manual reads",
             choices=("on", "off"),
         ),
+        *_AREA_LIGHTS,
     ),
 )
 
 FORMS = (
-    Form("none", "one ray through the centre of each pixel (-A)"),
+    Form("none", "one ray through the centre of each pixel (-A)", _AREA_LIGHTS),
     Form(
         "am1",
         "a ray a pixel, compared with the left and the upper neighbour; where they differ, depth x depth more (+AM1)",
-        (_GRID_SIDE, _THRESHOLD, _JITTER),
+        (_GRID_SIDE, _THRESHOLD, _JITTER, *_AREA_LIGHTS),
     ),
     Form(
         "am2",
         "the four corners of a pixel, and between them recursively where they differ (+AM2)",
-        (_LEVELS, _THRESHOLD, _JITTER),
+        (_LEVELS, _THRESHOLD, _JITTER, *_AREA_LIGHTS),
     ),
     Form(
         "regular",
         "n = k x k rays a pixel, on a regular grid: rendered k times larger and averaged",
-        (Key("n", "integer", 16, "samples a pixel, a square number", 1, 1 << 14, is_count=True),),
+        (Key("n", "integer", 16, "samples a pixel, a square number", 1, 1 << 14, is_count=True), *_AREA_LIGHTS),
     ),
     ACCUMULATE,
     FOCAL_BLUR,
@@ -126,6 +147,8 @@ def samples_per_pixel(mode: Spec) -> int:
 def unable_mode(mode: Spec, scene: Scene) -> str | None:
     """Why the mode has no such count or lacks what the scene needs, or None."""
     needs = scene.needs()
+    if any(isinstance(light, AreaLight) and light.falloff != "none" for light in scene.lights):
+        return "POV-Ray's area lights shine alike in all directions: those that fall off would lack the cosine"
     if grid_side(mode) is None:
         n = mode.integer("n")
         below = math.isqrt(n)

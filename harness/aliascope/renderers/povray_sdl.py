@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from aliascope.geometry import Array, Frame, Surfaces, frame_of, surfaces_of
-from aliascope.model import BLACK, Colour, DirectionalLight, Material, PointLight, Scene, Vector
-from aliascope.renderers.povray_frames import FocalBlur, Frames, moments
+from aliascope.model import BLACK, AreaLight, Colour, DirectionalLight, Material, PointLight, Scene, Vector
+from aliascope.renderers.povray_frames import FocalBlur, Frames, LightGrid, moments
 from aliascope.renderers.povray_light import lighting_of, pattern_colours
 from aliascope.renderers.povray_limits import FARTHEST, unit, world_scale
 
@@ -68,7 +68,7 @@ def scene_text(scene: Scene, size: tuple[int, int], exposure: float = 1.0, frame
     for number, name in enumerate(names):
         lines.append(f"#declare Material_{number} = {_texture(scene.materials[name], exposure, world)}")
     if any(scene.materials[name].albedo != BLACK for name in names):
-        lines += _lights(scene, exposure, world, frames.times)
+        lines += _lights(scene, exposure, world, frames)
     if frames.times is not None:
         count = len(frames.times)
         which = f"str({_frame_number(count)} + 1, 0, 0)" if count > 1 else '"1"'
@@ -176,8 +176,8 @@ def _frame_number(count: int) -> str:
     return f"mod(frame_number - 1, {count})"
 
 
-def _lights(scene: Scene, exposure: float, world: World, times: Array | None) -> Iterable[str]:
-    for light, fade in zip(scene.lights, lighting_of(scene, times).fade_distances, strict=True):
+def _lights(scene: Scene, exposure: float, world: World, frames: Frames) -> Iterable[str]:
+    for light, fade in zip(scene.lights, lighting_of(scene, frames.times).fade_distances, strict=True):
         colour, more = light.intensity, ""
         match light:
             case DirectionalLight(direction=direction):
@@ -185,6 +185,9 @@ def _lights(scene: Scene, exposure: float, world: World, times: Array | None) ->
                 more = " parallel point_at 0"
             case PointLight(position=position):
                 place = world.place(position)
+            case AreaLight(corner=corner, edges=edges):
+                place = world.place(np.array(corner) + 0.5 * (np.array(edges[0]) + np.array(edges[1])))
+                more = _area_light(light, world, frames.grid)
             case _:
                 raise ValueError(f"a {light.type} light has no text")
         if light.falloff == "inverse-square":
@@ -194,6 +197,17 @@ def _lights(scene: Scene, exposure: float, world: World, times: Array | None) ->
             more = f" fade_power 2 fade_distance {_number(world.scale * fade)}"
         emitted = tuple(channel / exposure for channel in colour)
         yield f"light_source {{ {_vector(place)}, {_colour(emitted)}{more} }}"
+
+
+def _area_light(light: AreaLight, world: World, grid: LightGrid) -> str:
+    """The points of an area light lie on a grid whose border is the light's: at (side - 1) / side of its size they are
+    the middles of side x side cells. Without `area_illumination` it would shine from its centre, but for shadows.
+    With it POV-Ray multiplies the mean of n.l by that of visibility: off by their covariance (measured: 0.0033 where
+    a light of 9 units is 12 away and half hidden)."""
+    side = grid.side
+    first, second = (_vector(world.scale * (side - 1.0) / side * np.array(edge)) for edge in light.edges)
+    adaptive = "" if grid.adaptive == "off" else f" adaptive {grid.adaptive}"
+    return f" area_light {first}, {second}, {side}, {side} area_illumination on{adaptive}{' jitter' * grid.jitter}"
 
 
 def _texture(material: Material, exposure: float, world: World) -> str:
