@@ -89,7 +89,7 @@ class PovRay:
             *("polygon", "mesh", "disc", "sphere", "plane"),
             *("zone-plate", "checker"),
             *("point light", "directional light", "area light"),
-            *("lens", "motion"),
+            *("lens", "motion", "mirror"),
         }
     )
     probe_mode = "am1:depth=9,jitter=0,threshold=0"
@@ -254,12 +254,13 @@ def _cost(statistics: list[Statistics], frames: int, pixels: int, blurred: bool)
     blurred: by POV-Ray's own lens, whose rays it does not count as samples.
     """
     repeats = len(statistics) // frames
-    rays = sum(frame.rays for frame in statistics[:frames])
-    samples = rays if blurred else sum(frame.pixels + frame.samples for frame in statistics[:frames])
+    reflected = sum(frame.reflected for frame in statistics[:frames])
+    seen = sum(frame.rays for frame in statistics[:frames]) - reflected
+    samples = seen if blurred else sum(frame.pixels + frame.samples for frame in statistics[:frames])
     return Cost(
         samples=samples,
         samples_per_pixel=samples / pixels,
-        rays={"camera": rays},
+        rays={"camera": seen, **({"reflection": reflected} if reflected else {})},
         cpu_seconds=sum(frame.cpu_seconds for frame in statistics) / repeats,
         wall_seconds=sum(frame.wall_seconds for frame in statistics) / repeats,
         repeats=repeats,

@@ -59,15 +59,32 @@ def _lighting_at(scene: Scene) -> Lighting:
         intensity = np.array(light.intensity)
         # 0 * inf is no light: of a light that lies on a surface, in a channel that it lacks.
         received += np.multiply(intensity, shares, where=intensity > 0.0, out=np.zeros_like(received))
-    peak = max(scene.view.background)
-    for name, light_there in zip(names, received, strict=True):
+    radiance = np.zeros((len(names), 3))
+    for row, name, light_there in zip(radiance, names, received, strict=True):
         material = scene.materials[name]
         for channel in range(3):
             albedo, colour = material.albedo[channel], max(c[channel] for c in pattern_colours(material))
             if colour > 0.0:
                 reflected = albedo * float(light_there[channel]) if albedo > 0.0 else 0.0
-                peak = max(peak, colour * (material.emission[channel] + reflected))
+                row[channel] = colour * (material.emission[channel] + reflected)
+    peak = _brightest(scene, names, radiance)
     return Lighting(peak, tuple(fades))
+
+
+def _brightest(scene: Scene, names: tuple[str, ...], radiance: Array) -> float:
+    """The largest channel of the background and of what surfaces of these materials send out, (n, 3), seen directly or
+    over as many mirrors as the scene allows."""
+    background = np.array(scene.view.background)
+    direct = np.vstack([radiance, background])
+    if not scene.needs().mirror:
+        return float(direct.max())
+    shares = np.vstack([[scene.materials[name].reflection for name in names], np.zeros(3)])
+    brightest = direct.max(axis=0)
+    for _ in range(scene.transport.mirror_bounces):
+        # 0 * inf is no light here, too: of a material that does not mirror.
+        mirrored = np.multiply(shares, brightest, where=shares > 0.0, out=np.zeros_like(shares))
+        brightest = (direct + mirrored).max(axis=0)
+    return float(brightest.max())
 
 
 def pattern_colours(material: Material) -> tuple[Colour, ...]:

@@ -61,7 +61,7 @@ def scene_text(scene: Scene, size: tuple[int, int], exposure: float = 1.0, frame
     background = tuple(channel / exposure for channel in scene.view.background)
     lines = [
         "#version 3.7;",
-        "global_settings { assumed_gamma 1.0 adc_bailout 0 }",
+        f"global_settings {{ assumed_gamma 1.0 adc_bailout 0{_trace_level(scene)} }}",
         *_camera(scene, frame_of(scene, size), world.scale, frames, exposure),
         f"background {{ {_colour(background)} }}",
     ]
@@ -210,18 +210,27 @@ def _area_light(light: AreaLight, world: World, grid: LightGrid) -> str:
     return f" area_light {first}, {second}, {side}, {side} area_illumination on{adaptive}{' jitter' * grid.jitter}"
 
 
+def _trace_level(scene: Scene) -> str:
+    """Nothing without mirrors. Of level 1 is what the eye sees itself: a ray past the last level brings no light."""
+    return f" max_trace_level {scene.transport.mirror_bounces + 1}" if scene.needs().mirror else ""
+
+
 def _texture(material: Material, exposure: float, world: World) -> str:
-    """pattern * (emission + albedo * light), for which POV-Ray has pigment * (emission + diffuse * light).
+    """pattern * (emission + albedo * light) + mirrored, for which POV-Ray has pigment * (emission + diffuse * light) +
+    mirrored.
 
     The pigment is the pattern times the albedo, so the finish has the emission divided by the albedo. A channel that
     emits has an albedo of LEAST_ALBEDO of its emission at least: that much light comes back from it too many.
     """
     emission = [channel / exposure for channel in material.emission]
+    mirror = f" reflection {{ {_colour(material.reflection)} }}" if material.reflection != BLACK else ""
     if material.albedo == BLACK:
-        return f"texture {{ {_pigment(material, emission, world)} finish {{ ambient 0 diffuse 0 emission 1 }} }}"
+        return (
+            f"texture {{ {_pigment(material, emission, world)} finish {{ ambient 0 diffuse 0 emission 1{mirror} }} }}"
+        )
     albedo = [max(a, LEAST_ALBEDO * e) for a, e in zip(material.albedo, emission, strict=True)]
     ratios = [e / a if e > 0.0 else 0.0 for a, e in zip(albedo, emission, strict=True)]
-    finish = f"finish {{ ambient 0 diffuse 1 emission {_colour(ratios)} }}"
+    finish = f"finish {{ ambient 0 diffuse 1 emission {_colour(ratios)}{mirror} }}"
     return f"texture {{ {_pigment(material, albedo, world)} {finish} }}"
 
 
