@@ -20,7 +20,8 @@ from aliascope.native import samplers
 from aliascope.renderers import povray
 from aliascope.renderers.base import Request
 from aliascope.renderers.povray import RENDERER
-from aliascope.renderers.povray_modes import FRAME_SECONDS, Frames
+from aliascope.renderers.povray_frames import Frames
+from aliascope.renderers.povray_modes import FRAME_SECONDS
 
 HALF_STEP = 0.5 / 65535.0 + 2.0**-24  # rounding to 16 bits, and of POV-Ray's colours to float32
 

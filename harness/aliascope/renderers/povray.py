@@ -24,12 +24,12 @@ from aliascope.image import read_image
 from aliascope.model import LARGEST_AREA, Scene
 from aliascope.records import Cost, Pixels, Rendering
 from aliascope.renderers.base import Request, lacks
+from aliascope.renderers.povray_frames import Frames, frames_of, moments, times_within
 from aliascope.renderers.povray_light import lighting_of
 from aliascope.renderers.povray_limits import out_of_reach
 from aliascope.renderers.povray_modes import (
     FORMS,
     antialiasing,
-    frames_of,
     grid_side,
     samples_per_pixel,
     seeded,
@@ -37,7 +37,7 @@ from aliascope.renderers.povray_modes import (
     unable_mode,
 )
 from aliascope.renderers.povray_process import Statistics, executable, read_statistics, run, version
-from aliascope.renderers.povray_sdl import scene_text
+from aliascope.renderers.povray_sdl import moving_texts, scene_text
 from aliascope.specs import Form, Spec
 
 MOST_FRAMES = 6
@@ -88,7 +88,8 @@ class PovRay:
             *("orthographic", "perspective"),
             *("polygon", "mesh", "disc", "sphere", "plane"),
             *("zone-plate", "checker"),
-            *("point light", "directional light"),
+            *("point light", "directional light", "area light"),
+            *("lens", "motion", "mirror"),
         }
     )
     probe_mode = "am1:depth=9,jitter=0,threshold=0"
@@ -100,13 +101,14 @@ class PovRay:
 
     def unable(self, scene: Scene, mode: Spec) -> str | None:
         """Why the picture would not be this scene: a count that the mode lacks, light or places beyond its range."""
-        reason = unable_mode(mode) or too_long(scene, mode, Request.time_limit)
+        reason = unable_mode(mode, scene) or too_long(scene, mode, Request.time_limit)
         if reason:
             return reason
-        peak = lighting_of(scene).peak
+        times = times_within(scene)
+        peak = lighting_of(scene, times).peak
         if not peak <= LARGEST_HALF:
             return f"POV-Ray's pictures end at {LARGEST_HALF:g}, and this one may reach {peak:g}"
-        return out_of_reach(scene)
+        return next(filter(None, map(out_of_reach, moments(scene, times))), None)
 
     def seeded(self, mode: Spec) -> bool:
         """Only for a randomised sampler of `accumulate`: POV-Ray's own jitter is a hash of the position."""
@@ -122,12 +124,9 @@ class PovRay:
         start = time.monotonic()
         size = (request.width, request.height)
         _check(self, request)
-        frames, output = frames_of(request.mode, request.seed), _output_for(request.scene)
+        frames = frames_of(request.mode, request.seed, request.scene)
+        output = _output_for(request.scene, frames)
         count, side = len(frames.weights), grid_side(request.mode) or 1
-        try:
-            text = scene_text(request.scene, size, output.exposure, frames.shifts)
-        except ValueError as error:
-            raise InvalidInput(str(error)) from error
         path = executable()
         try:
             scratch = tempfile.TemporaryDirectory(prefix="aliascope-povray-")
@@ -135,13 +134,12 @@ class PovRay:
             raise NotWritable(f"no scratch folder for POV-Ray: {error.strerror}") from error
         with scratch as name:
             folder = Path(name)
-            options = (*antialiasing(request.mode, output.exposure), f"+WT{request.threads}")
+            options = (
+                *antialiasing(request.mode, output.exposure),
+                f"+WT{1 if frames.grid.jitter else request.threads}",
+            )
             job = _Job(path, folder, side * size[0], side * size[1], options, output)
-            try:
-                (folder / "scene.pov").write_text(text)
-                (folder / "aliascope.ini").write_text("")  # in place of the system's, which turns the display on
-            except OSError as error:
-                raise NotWritable(f"{folder}: cannot be written: {error.strerror}") from error
+            _write(folder, request, output.exposure, frames)
             statistics = _run(job, count, request.time_limit)
             pixels = _box_averaged(_weighted_mean(job, frames.weights), side, output.exposure)
             seconds = sum(frame.cpu_seconds for frame in statistics)
@@ -149,11 +147,25 @@ class PovRay:
                 wanted = math.ceil(request.least_seconds / max(seconds, CLOCK_STEP)) - 1
                 remaining = max(0.0, request.time_limit - (time.monotonic() - start))
                 statistics += _run(job, count * min(max(wanted, 1), MOST_FRAMES // count), remaining)
-        cost = _cost(statistics, count, request.width * request.height)
+        cost = _cost(statistics, count, request.width * request.height, frames.blur is not None)
         return Rendering(pixels, cost, output.quantum)
 
 
 RENDERER = PovRay()
+
+
+def _write(folder: Path, request: Request, exposure: float, frames: Frames) -> None:
+    """Writes what povray reads. Raises InvalidInput for polygons that have no triangles, and NotWritable."""
+    scene, size = request.scene, (request.width, request.height)
+    try:
+        (folder / "aliascope.ini").write_text("")  # in place of the system's, which turns the display on
+        (folder / "scene.pov").write_text(scene_text(scene, size, exposure, frames))
+        for name, text in moving_texts(scene, frames):
+            (folder / name).write_text(text)
+    except ValueError as error:
+        raise InvalidInput(str(error)) from error
+    except OSError as error:
+        raise NotWritable(f"{folder}: cannot be written: {error.strerror}") from error
 
 
 def _check(renderer: PovRay, request: Request) -> None:
@@ -166,9 +178,9 @@ def _check(renderer: PovRay, request: Request) -> None:
         raise Unsupported(f"{mode.text} at {size[0]}x{size[1]} needs a canvas of more than {LARGEST_AREA} pixels")
 
 
-def _output_for(scene: Scene) -> _Output:
+def _output_for(scene: Scene, frames: Frames) -> _Output:
     """PNG, which clips to [0, 1], so at an exposure; past LARGEST_EXPOSURE EXR, whose half floats have 11 bits."""
-    peak = lighting_of(scene).peak
+    peak = lighting_of(scene, frames.times).peak
     exposure = 2.0 ** max(0, math.ceil(math.log2(peak))) if peak > 0.0 else 1.0
     if exposure <= LARGEST_EXPOSURE:
         return _Output("+FN16", "png", exposure, exposure / 65535.0)
@@ -236,14 +248,19 @@ def _box_averaged(pixels: Array | Pixels, side: int, exposure: float) -> Pixels:
     return means
 
 
-def _cost(statistics: list[Statistics], frames: int, pixels: int) -> Cost:
-    """The cost of one picture of so many frames and pixels, over as many pictures as there are statistics for."""
+def _cost(statistics: list[Statistics], frames: int, pixels: int, blurred: bool) -> Cost:
+    """The cost of one picture of so many frames and pixels, over as many pictures as there are statistics for.
+
+    blurred: by POV-Ray's own lens, whose rays it does not count as samples.
+    """
     repeats = len(statistics) // frames
-    samples = sum(frame.pixels + frame.samples for frame in statistics[:frames])
+    reflected = sum(frame.reflected for frame in statistics[:frames])
+    seen = sum(frame.rays for frame in statistics[:frames]) - reflected
+    samples = seen if blurred else sum(frame.pixels + frame.samples for frame in statistics[:frames])
     return Cost(
         samples=samples,
         samples_per_pixel=samples / pixels,
-        rays={"camera": sum(frame.rays for frame in statistics[:frames])},
+        rays={"camera": seen, **({"reflection": reflected} if reflected else {})},
         cpu_seconds=sum(frame.cpu_seconds for frame in statistics) / repeats,
         wall_seconds=sum(frame.wall_seconds for frame in statistics) / repeats,
         repeats=repeats,

@@ -13,6 +13,7 @@ import numpy as np
 
 from aliascope.geometry import Array, Surfaces, surfaces_of
 from aliascope.model import BLACK, Colour, Material, PointLight, Scene
+from aliascope.renderers.povray_frames import moments
 from aliascope.renderers.povray_limits import unit
 
 FADE_SHARE = 1e-3
@@ -32,8 +33,17 @@ class Lighting:
     fade_distances: tuple[float, ...]
 
 
-def lighting_of(scene: Scene) -> Lighting:
-    """Bounds that need no picture: every light shines squarely on the nearest point of every surface."""
+def lighting_of(scene: Scene, times: Array | None = None) -> Lighting:
+    """Bounds that need no picture: every light shines squarely on the nearest point of every surface, at the times at
+    which the scene is looked at."""
+    if not any(light.falloff == "inverse-square" for light in scene.lights):
+        times = None  # no distance matters
+    found = [_lighting_at(moment) for moment in moments(scene, times)]
+    fades = zip(*(each.fade_distances for each in found), strict=True)
+    return Lighting(max(each.peak for each in found), tuple(min(each) for each in fades))
+
+
+def _lighting_at(scene: Scene) -> Lighting:
     names = tuple(dict.fromkeys(surface.material for surface in scene.surfaces))
     lit = np.array([scene.materials[name].albedo != BLACK for name in names], dtype=bool)
     received = np.zeros((len(names), 3))
@@ -49,15 +59,32 @@ def lighting_of(scene: Scene) -> Lighting:
         intensity = np.array(light.intensity)
         # 0 * inf is no light: of a light that lies on a surface, in a channel that it lacks.
         received += np.multiply(intensity, shares, where=intensity > 0.0, out=np.zeros_like(received))
-    peak = max(scene.view.background)
-    for name, light_there in zip(names, received, strict=True):
+    radiance = np.zeros((len(names), 3))
+    for row, name, light_there in zip(radiance, names, received, strict=True):
         material = scene.materials[name]
         for channel in range(3):
             albedo, colour = material.albedo[channel], max(c[channel] for c in pattern_colours(material))
             if colour > 0.0:
                 reflected = albedo * float(light_there[channel]) if albedo > 0.0 else 0.0
-                peak = max(peak, colour * (material.emission[channel] + reflected))
+                row[channel] = colour * (material.emission[channel] + reflected)
+    peak = _brightest(scene, names, radiance)
     return Lighting(peak, tuple(fades))
+
+
+def _brightest(scene: Scene, names: tuple[str, ...], radiance: Array) -> float:
+    """The largest channel of the background and of what surfaces of these materials send out, (n, 3), seen directly or
+    over as many mirrors as the scene allows."""
+    background = np.array(scene.view.background)
+    direct = np.vstack([radiance, background])
+    if not scene.needs().mirror:
+        return float(direct.max())
+    shares = np.vstack([[scene.materials[name].reflection for name in names], np.zeros(3)])
+    brightest = direct.max(axis=0)
+    for _ in range(scene.transport.mirror_bounces):
+        # 0 * inf is no light here, too: of a material that does not mirror.
+        mirrored = np.multiply(shares, brightest, where=shares > 0.0, out=np.zeros_like(shares))
+        brightest = (direct + mirrored).max(axis=0)
+    return float(brightest.max())
 
 
 def pattern_colours(material: Material) -> tuple[Colour, ...]:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from aliascope.errors import Unsupported
-from aliascope.geometry import Array
-from aliascope.model import LoadedMesh, Scene
+from aliascope.model import AreaLight, LoadedMesh, Needs, Scene
 from aliascope.native import samplers
 from aliascope.specs import Form, Key, Spec
 
@@ -19,11 +17,17 @@ FRAME_SECONDS = 0.23
 TRIANGLE_SECONDS = 7e-6
 """Seconds that a frame takes for each triangle, to parse it and to bound it: the scene is read again for each frame."""
 
+MOST_MOVED = 5_000_000
+"""Triangles that are written again because they moved, over all frames: a gigabyte of text."""
+
 START_SECONDS = 0.5
 """Seconds on the wall before the first frame."""
 
 ANTIALIAS_GAMMA = 2.5
 """povray compares colours to the power of 1/2.5 with its threshold; it averages them as they are."""
+
+DIMENSIONS = (2, 3, 4, 5)
+"""Those that a sample can have, with a shutter and a lens or without: see `dimensions`."""
 
 # povray refuses +A1 and more, and shows 0.999 to three digits.
 _THRESHOLD = Key("threshold", "real", 0.1, "sum over RGB of the differences that calls for more samples", 0.0, 0.999)
@@ -35,52 +39,91 @@ _LEVELS = Key(
     "depth", "integer", 3, "levels; (2^(depth-1)+1)^2 samples at most, 1 is corners alone", 1, 9, is_count=True
 )
 
+_AREA_LIGHTS = (
+    Key(
+        "light_grid",
+        "choice",
+        "8",
+        "side of the grid of points on an area light, all of the same weight",
+        choices=("2", "4", "8", "16"),
+    ),
+    Key(
+        "light_adaptive",
+        "choice",
+        "off",
+        "level of the grid that is looked at first, the rest where it is partly in shadow",
+        choices=("off", "0", "1", "2", "3"),
+    ),
+    Key("light_jitter", "choice", "off", "moves the points of an area light, in one thread", choices=("off", "on")),
+)
+"""Of a 5 x 5, 9 x 9 or 17 x 17 grid POV-Ray weighs the border by half, of 32 x 32 it weighs points unevenly."""
+
+
+def _sampler(spec: str) -> str:
+    """The canonical form of a pattern, also of one in space and time alone, whose counts may be squares of 4. Raises
+    SpecError, and Unsupported for a pattern that is neither."""
+    try:
+        return samplers.canonical(spec)
+    except Unsupported:
+        return samplers.Sampler(spec, 16, 3).spec
+
+
 ACCUMULATE = Form(
     "accumulate",
-    "n frames with one ray a pixel, moved by one sampling pattern for all pixels, and averaged. A frame takes "
+    "n frames with one ray a pixel, moved by one sampling pattern for all pixels, and averaged; each at its own time "
+    "and through its own point of the lens, where the scene asks for that. A frame takes "
     f"{FRAME_SECONDS:g} s on the wall, so n is bounded by the time limit too: about 2,600 in 600 s, 510 in 120 s",
     (
         Key("n", "integer", 16, "frames, the samples a pixel", 1, 4096, is_count=True),
-        Key("sampler", "spec", "halton", "the pattern", inner=samplers.canonical, named=True),
+        Key("sampler", "spec", "halton", "the pattern", inner=_sampler, named=True),
+        *_AREA_LIGHTS,
+    ),
+)
+
+FOCAL_BLUR = Form(
+    "focal-blur",
+    "POV-Ray's own lens: rays through random points of it, until a test says that their mean is sure enough. It is "
+    "round, and for scenes with a lens, whose radius and focus become its aperture and focal_point",
+    (
+        Key("blur_samples", "integer", 64, "rays a pixel at most; 4, 7, 19, 37 are lattices", 1, 4096, is_count=True),
+        Key("confidence", "real", 0.9, "of the chi-squared test that stops the rays", 0.001, 0.999),
+        Key("variance", "real", 1.0 / 128.0, "of the mean that is enough; 0 takes all the rays", 0.0, 1.0),
+        Key(
+            "compensation",
+            "choice",
+            "on",
+            "of what POV-Ray 3.7 does: half the aperture, and pictures 1/32 pixel off; off: as its manual reads",
+            choices=("on", "off"),
+        ),
+        *_AREA_LIGHTS,
     ),
 )
 
 FORMS = (
-    Form("none", "one ray through the centre of each pixel (-A)"),
+    Form("none", "one ray through the centre of each pixel (-A)", _AREA_LIGHTS),
     Form(
         "am1",
         "a ray a pixel, compared with the left and the upper neighbour; where they differ, depth x depth more (+AM1)",
-        (_GRID_SIDE, _THRESHOLD, _JITTER),
+        (_GRID_SIDE, _THRESHOLD, _JITTER, *_AREA_LIGHTS),
     ),
     Form(
         "am2",
         "the four corners of a pixel, and between them recursively where they differ (+AM2)",
-        (_LEVELS, _THRESHOLD, _JITTER),
+        (_LEVELS, _THRESHOLD, _JITTER, *_AREA_LIGHTS),
     ),
     Form(
         "regular",
         "n = k x k rays a pixel, on a regular grid: rendered k times larger and averaged",
-        (Key("n", "integer", 16, "samples a pixel, a square number", 1, 1 << 14, is_count=True),),
+        (Key("n", "integer", 16, "samples a pixel, a square number", 1, 1 << 14, is_count=True), *_AREA_LIGHTS),
     ),
     ACCUMULATE,
+    FOCAL_BLUR,
 )
 
 
-@dataclass(frozen=True)
-class Frames:
-    """The frames that make a picture. shifts (n, 2): pixels to the right and down from the centres of the pixels;
-    weights (n,)."""
-
-    shifts: Array
-    weights: Array
-
-
-def frames_of(mode: Spec, seed: int) -> Frames:
-    """One frame without a shift, or those of `accumulate`. Raises Unsupported for a count that the sampler lacks."""
-    if mode.name != ACCUMULATE.name:
-        return Frames(np.zeros((1, 2)), np.ones(1))
-    sampler, count = mode.word("sampler"), mode.integer("n")
-    return Frames(samplers.points(sampler, count, 2, seed) - 0.5, samplers.weights(sampler, count, 2))
+def dimensions(needs: Needs) -> int:
+    """The dimensions of a sample of `accumulate`: of the pixel, of the time, of the lens, where they are needed."""
+    return 2 + needs.shutter + 2 * needs.lens
 
 
 def frame_count(mode: Spec) -> int:
@@ -101,24 +144,36 @@ def samples_per_pixel(mode: Spec) -> int:
     return mode.integer("n") if mode.name in ("regular", ACCUMULATE.name) else 1
 
 
-def unable_mode(mode: Spec) -> str | None:
-    """Why the mode has no such count, or None."""
+def unable_mode(mode: Spec, scene: Scene) -> str | None:
+    """Why the mode has no such count or lacks what the scene needs, or None."""
+    needs = scene.needs()
+    if any(isinstance(light, AreaLight) and light.falloff != "none" for light in scene.lights):
+        return "POV-Ray's area lights shine alike in all directions: those that fall off would lack the cosine"
     if grid_side(mode) is None:
         n = mode.integer("n")
         below = math.isqrt(n)
         return f"regular:n={n} is not a square number; the nearest are {below**2} and {(below + 1) ** 2}"
     if mode.name == ACCUMULATE.name:
-        try:
-            seeded(mode)
-        except Unsupported as error:
-            return str(error)
+        return samplers.refusal(mode.word("sampler"), mode.integer("n"), dimensions(needs))
+    blurs = mode.name == FOCAL_BLUR.name
+    if blurs and not needs.lens:
+        return "focal-blur needs a lens, and this scene has none"
+    missing = [name for name, lacking in (("motion", needs.shutter), ("a lens", needs.lens and not blurs)) if lacking]
+    if missing:
+        return f"{mode.name} of POV-Ray does not draw {' and '.join(missing)}: accumulate does"
+    if blurs and scene.camera.blades >= 3:
+        return f"the lens of POV-Ray's focal-blur is round, and this one has {scene.camera.blades} blades"
     return None
 
 
 def too_long(scene: Scene, mode: Spec, time_limit: float) -> str | None:
     """Why the frames do not end within so many seconds, or None: what they take before a pixel is traced is known."""
     count = frame_count(mode)
-    triangles = sum(len(surface.triangles) for surface in scene.surfaces if isinstance(surface, LoadedMesh))
+    meshes = [surface for surface in scene.surfaces if isinstance(surface, LoadedMesh)]
+    triangles = sum(len(mesh.triangles) for mesh in meshes)
+    moving = sum(len(mesh.triangles) for mesh in meshes if mesh.motion is not None)
+    if scene.needs().shutter and count * moving > MOST_MOVED:
+        return f"{mode.text}: {count} frames of {moving} moving triangles; at most {MOST_MOVED:g} are written in all"
     frame_seconds = FRAME_SECONDS + TRIANGLE_SECONDS * triangles
     most = int((time_limit - START_SECONDS) / frame_seconds)
     if count == 1 or count <= most:
@@ -130,8 +185,15 @@ def too_long(scene: Scene, mode: Spec, time_limit: float) -> str | None:
 
 
 def seeded(mode: Spec) -> bool:
-    """Whether the sampler of `accumulate` is; POV-Ray's own jitter is a hash of the position."""
-    return mode.name == ACCUMULATE.name and samplers.randomised(mode.word("sampler"), mode.integer("n"))
+    """Whether the sampler of `accumulate` is; POV-Ray's own jitter is a hash of the position.
+
+    A pattern that is randomised is so in whichever dimensions it has points. Raises Unsupported for one without.
+    """
+    if mode.name != ACCUMULATE.name:
+        return False
+    sampler, count = mode.word("sampler"), mode.integer("n")
+    refused = [samplers.refusal(sampler, count, width) for width in DIMENSIONS]
+    return samplers.randomised(sampler, count, DIMENSIONS[refused.index(None)] if None in refused else DIMENSIONS[0])
 
 
 def antialiasing(mode: Spec, exposure: float) -> tuple[str, ...]:

@@ -53,8 +53,9 @@ class Statistics:
     """What povray prints of one frame.
 
     `pixels`: the rays through pixel centres (or corners: +AM2), those at the borders of tiles twice. `samples`: the
-    rays that antialiasing added to them. `rays`: all of them. The seconds are those of the trace alone, in whole
-    milliseconds, so 0 for a few thousand pixels; parsing and the writing of the file are not in them.
+    rays that antialiasing added to them. `rays`: all of them, but for shadows; `reflected`: those from mirrors. The
+    seconds are those of the trace alone, in whole milliseconds, so 0 for a few thousand pixels; parsing and the writing
+    of the file are not in them.
     """
 
     pixels: int
@@ -62,6 +63,7 @@ class Statistics:
     rays: int
     cpu_seconds: float
     wall_seconds: float
+    reflected: int = 0
 
 
 def executable() -> str:
@@ -122,7 +124,14 @@ def run(path: str, arguments: list[str], folder: Path, time_limit: float, frames
 def read_statistics(output: str) -> list[Statistics]:
     """The statistics of each frame, in order; empty where there are none."""
     return [
-        Statistics(int(m["pixels"]), int(m["samples"]), int(m["rays"]), float(m["cpu"]), float(m["wall"]))
+        Statistics(
+            int(m["pixels"]),
+            int(m["samples"]),
+            int(m["rays"]),
+            float(m["cpu"]),
+            float(m["wall"]),
+            sum(int(count) for count in re.findall(r"Reflected Rays:\s*(\d+)", m[0])),
+        )
         for m in _STATISTICS.finditer(output)
     ]
 

@@ -10,13 +10,14 @@ POV-Ray, and it is not faster. 100,000 triangles take 0.56 s to parse and 160 MB
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from aliascope.geometry import Array, Frame, Surfaces, frame_of, surfaces_of
-from aliascope.model import BLACK, Colour, DirectionalLight, Material, PointLight, Scene, Vector
+from aliascope.model import BLACK, AreaLight, Colour, DirectionalLight, Material, PointLight, Scene, Vector
+from aliascope.renderers.povray_frames import FocalBlur, Frames, LightGrid, moments
 from aliascope.renderers.povray_light import lighting_of, pattern_colours
 from aliascope.renderers.povray_limits import FARTHEST, unit, world_scale
 
@@ -26,6 +27,9 @@ PATTERN_CEILING = 0.9999999
 LIGHT_DISTANCE = 3.0 * FARTHEST
 """Parallel rays start at the plane through their light, behind which there is light and no shadow: it stands farther
 from the eye than all that can be seen."""
+
+MOVING = "moving"
+"""How the names of the files begin that hold what moves, one for each frame."""
 
 LEAST_ALBEDO = 2.0**-40
 """Of the emission: see `_texture`."""
@@ -44,69 +48,136 @@ class World:
         return placed
 
 
-def scene_text(scene: Scene, size: tuple[int, int], exposure: float = 1.0, shifts: Array | None = None) -> str:
+def scene_text(scene: Scene, size: tuple[int, int], exposure: float = 1.0, frames: Frames | None = None) -> str:
     """The SDL of a scene whose features the renderer draws.
 
-    size: width, height in pixels, for the aspect. exposure: what all light is divided by. shifts: (n, 2) pixels to the
-    right and down by which the sample of each of n frames lies off the centres of the pixels, which is where all lie
-    without them. Raises ValueError for polygons that have no triangles (see `geometry.triangulate`).
+    size: width, height in pixels, for the aspect. exposure: what all light is divided by. frames: without them there is
+    one, whose samples lie at the centres of the pixels. What moves is in a file for each frame: see `moving_texts`.
+    Raises ValueError for polygons that have no triangles (see `geometry.triangulate`).
     """
-    surfaces, world = surfaces_of(scene), World(frame_of(scene).eye, world_scale(scene))
+    frames = frames or Frames(np.zeros((1, 2)), np.ones(1))
+    surfaces, world = surfaces_of(_standing(scene, frames)), world_of(scene, frames)
+    names = tuple(dict.fromkeys(surface.material for surface in scene.surfaces))
     background = tuple(channel / exposure for channel in scene.view.background)
     lines = [
         "#version 3.7;",
-        "global_settings { assumed_gamma 1.0 adc_bailout 0 }",
-        *_camera(frame_of(scene, size), world.scale, np.zeros((1, 2)) if shifts is None else shifts),
+        f"global_settings {{ assumed_gamma 1.0 adc_bailout 0{_trace_level(scene)} }}",
+        *_camera(scene, frame_of(scene, size), world.scale, frames, exposure),
         f"background {{ {_colour(background)} }}",
     ]
-    for number, name in enumerate(surfaces.materials):
+    for number, name in enumerate(names):
         lines.append(f"#declare Material_{number} = {_texture(scene.materials[name], exposure, world)}")
-    if any(scene.materials[name].albedo != BLACK for name in surfaces.materials):
-        lines += _lights(scene, exposure, world)
-    return "\n".join([*lines, *_objects(surfaces, world)]) + "\n"
+    if any(scene.materials[name].albedo != BLACK for name in names):
+        lines += _lights(scene, exposure, world, frames)
+    if frames.times is not None:
+        count = len(frames.times)
+        which = f"str({_frame_number(count)} + 1, 0, 0)" if count > 1 else '"1"'
+        lines.append(f'#include concat("{MOVING}", {which}, ".inc")')
+    return "\n".join([*lines, *_objects(surfaces, names, world)]) + "\n"
 
 
-def _objects(surfaces: Surfaces, world: World) -> Iterable[str]:
+def moving_texts(scene: Scene, frames: Frames) -> Iterator[tuple[str, str]]:
+    """For each frame the name of a file, which the scene's text includes, and the text of what moves, where it is
+    then."""
+    if frames.times is None:
+        return
+    names = tuple(dict.fromkeys(surface.material for surface in scene.surfaces))
+    world = world_of(scene, frames)
+    moving = scene.model_copy(update={"surfaces": tuple(s for s in scene.surfaces if s.motion is not None)})
+    for number, moment in enumerate(moments(moving, frames.times), 1):
+        yield f"{MOVING}{number}.inc", "\n".join(_objects(surfaces_of(moment), names, world)) + "\n"
+
+
+def world_of(scene: Scene, frames: Frames) -> World:
+    """The same for all frames: at the scale that cuts off least of whichever has the most to lose."""
+    return World(frame_of(scene).eye, min(world_scale(moment) for moment in moments(scene, frames.times)))
+
+
+def _standing(scene: Scene, frames: Frames) -> Scene:
+    """What stands still in all frames."""
+    if frames.times is None:
+        return scene
+    return scene.model_copy(update={"surfaces": tuple(s for s in scene.surfaces if s.motion is None)})
+
+
+def _objects(surfaces: Surfaces, names: tuple[str, ...], world: World) -> Iterable[str]:
+    index = [names.index(name) for name in surfaces.materials]
     triangles = world.place(surfaces.triangles).reshape(-1, 9).tolist()
     for (a, b, c, d, e, f, g, h, i), number in zip(triangles, surfaces.triangle_material.tolist(), strict=True):
         corners = f"<{a!r},{b!r},{c!r}>,<{d!r},{e!r},{f!r}>,<{g!r},{h!r},{i!r}>"
-        yield f"triangle {{ {corners} texture {{ Material_{number} }} }}"
+        yield f"triangle {{ {corners} texture {{ Material_{index[number]} }} }}"
     for centre, normal, radius, number in surfaces.discs:
         place = f"{_vector(world.place(centre))}, {_vector(unit(normal))}, {_number(world.scale * radius)}"
-        yield f"disc {{ {place} texture {{ Material_{number} }} }}"
+        yield f"disc {{ {place} texture {{ Material_{index[number]} }} }}"
     for centre, radius, number in surfaces.spheres:
         place = f"{_vector(world.place(centre))}, {_number(world.scale * radius)}"
-        yield f"sphere {{ {place} texture {{ Material_{number} }} }}"
+        yield f"sphere {{ {place} texture {{ Material_{index[number]} }} }}"
     for point, normal, number in surfaces.planes:
         upright = unit(normal)
         offset = float(upright @ world.place(point))
-        yield f"plane {{ {_vector(upright)}, {_number(offset)} texture {{ Material_{number} }} }}"
+        yield f"plane {{ {_vector(upright)}, {_number(offset)} texture {{ Material_{index[number]} }} }}"
 
 
-def _camera(frame: Frame, scale: float, shifts: Array) -> list[str]:
-    """The camera; of several shifts, the one of the frame's number (from 1; a run for the time goes round again)."""
-    steps = shifts * np.array([2.0 * frame.half_width / frame.width, -2.0 * frame.half_height / frame.height])
+def _camera(scene: Scene, frame: Frame, scale: float, frames: Frames, exposure: float) -> list[str]:
+    """The camera; of several frames, the one of the frame's number.
+
+    Through a point of the lens the camera looks from there, its picture skewed so that what is in focus stays.
+    """
+    axes = np.array([frame.right, frame.up])
+    steps = frames.shifts * np.array([2.0 * frame.half_width / frame.width, -2.0 * frame.half_height / frame.height])
     if not frame.perspective:
         steps = scale * steps
-    moved = [_vector(right * frame.right + up * frame.up) for right, up in steps]
-    lines = []
-    shift = moved[0]
-    if len(moved) > 1:
-        lines.append(f"#declare Shift = array[{len(moved)}] {{ {', '.join(moved)} }}")
-        shift = f"Shift[mod(frame_number - 1, {len(moved)})]"
+    places = None
+    if frames.lens is not None:
+        assert scene.camera.focus_distance is not None
+        steps = steps - frames.lens / scene.camera.focus_distance
+        places = scale * frames.lens @ axes
+    lines: list[str] = []
+    shift = _chosen(lines, "Shift", np.array([right * frame.right + up * frame.up for right, up in steps]))
     direction = _vector(frame.forward)
     sides = 1.0 if frame.perspective else scale
     if frame.perspective:
-        aim = f"perspective location 0 direction {direction} + {shift}"
+        location = "0" if places is None else _chosen(lines, "Lens", places)
+        aim = f"perspective location {location} direction {direction} + {shift}"
     else:
         aim = f"orthographic location {shift} direction {direction}"
     across, upward = 2.0 * sides * frame.half_width * frame.right, 2.0 * sides * frame.half_height * frame.up
-    lines.append(f"camera {{ {aim} right {_vector(across)} up {_vector(upward)} }}")
+    aim += f" right {_vector(across)} up {_vector(upward)}"
+    if frames.blur:
+        aim += _focal_blur(scene, frame, scale, frames.blur, exposure)
+    lines.append(f"camera {{ {aim} }}")
     return lines
 
 
-def _lights(scene: Scene, exposure: float, world: World) -> Iterable[str]:
-    for light, fade in zip(scene.lights, lighting_of(scene).fade_distances, strict=True):
+def _focal_blur(scene: Scene, frame: Frame, scale: float, blur: FocalBlur, exposure: float) -> str:
+    """The camera's statements; the variance is that of colours as POV-Ray sees them, divided by the exposure."""
+    camera = scene.camera
+    assert camera.lens_radius is not None
+    assert camera.focus_distance is not None
+    return (
+        f" aperture {_number(scale * blur.aperture * camera.lens_radius)}"
+        f" focal_point {_vector(scale * camera.focus_distance * frame.forward)}"
+        f" blur_samples {blur.samples} confidence {_number(blur.confidence)}"
+        f" variance {_number(blur.variance / exposure**2)}"
+    )
+
+
+def _chosen(lines: list[str], name: str, vectors: Array) -> str:
+    """The expression of a vector for each frame; of several, an array of that name is added to the lines."""
+    texts = [_vector(vector) for vector in vectors]
+    if len(texts) == 1:
+        return texts[0]
+    lines.append(f"#declare {name} = array[{len(texts)}] {{ {', '.join(texts)} }}")
+    return f"{name}[{_frame_number(len(texts))}]"
+
+
+def _frame_number(count: int) -> str:
+    """The frame's number from 0, of several frames; a run for the time goes round again."""
+    return f"mod(frame_number - 1, {count})"
+
+
+def _lights(scene: Scene, exposure: float, world: World, frames: Frames) -> Iterable[str]:
+    for light, fade in zip(scene.lights, lighting_of(scene, frames.times).fade_distances, strict=True):
         colour, more = light.intensity, ""
         match light:
             case DirectionalLight(direction=direction):
@@ -114,6 +185,9 @@ def _lights(scene: Scene, exposure: float, world: World) -> Iterable[str]:
                 more = " parallel point_at 0"
             case PointLight(position=position):
                 place = world.place(position)
+            case AreaLight(corner=corner, edges=edges):
+                place = world.place(np.array(corner) + 0.5 * (np.array(edges[0]) + np.array(edges[1])))
+                more = _area_light(light, world, frames.grid)
             case _:
                 raise ValueError(f"a {light.type} light has no text")
         if light.falloff == "inverse-square":
@@ -125,18 +199,38 @@ def _lights(scene: Scene, exposure: float, world: World) -> Iterable[str]:
         yield f"light_source {{ {_vector(place)}, {_colour(emitted)}{more} }}"
 
 
+def _area_light(light: AreaLight, world: World, grid: LightGrid) -> str:
+    """The points of an area light lie on a grid whose border is the light's: at (side - 1) / side of its size they are
+    the middles of side x side cells. Without `area_illumination` it would shine from its centre, but for shadows.
+    With it POV-Ray multiplies the mean of n.l by that of visibility: off by their covariance (measured: 0.0033 where
+    a light of 9 units is 12 away and half hidden)."""
+    side = grid.side
+    first, second = (_vector(world.scale * (side - 1.0) / side * np.array(edge)) for edge in light.edges)
+    adaptive = "" if grid.adaptive == "off" else f" adaptive {grid.adaptive}"
+    return f" area_light {first}, {second}, {side}, {side} area_illumination on{adaptive}{' jitter' * grid.jitter}"
+
+
+def _trace_level(scene: Scene) -> str:
+    """Nothing without mirrors. Of level 1 is what the eye sees itself: a ray past the last level brings no light."""
+    return f" max_trace_level {scene.transport.mirror_bounces + 1}" if scene.needs().mirror else ""
+
+
 def _texture(material: Material, exposure: float, world: World) -> str:
-    """pattern * (emission + albedo * light), for which POV-Ray has pigment * (emission + diffuse * light).
+    """pattern * (emission + albedo * light) + mirrored, for which POV-Ray has pigment * (emission + diffuse * light) +
+    mirrored.
 
     The pigment is the pattern times the albedo, so the finish has the emission divided by the albedo. A channel that
     emits has an albedo of LEAST_ALBEDO of its emission at least: that much light comes back from it too many.
     """
     emission = [channel / exposure for channel in material.emission]
+    mirror = f" reflection {{ {_colour(material.reflection)} }}" if material.reflection != BLACK else ""
     if material.albedo == BLACK:
-        return f"texture {{ {_pigment(material, emission, world)} finish {{ ambient 0 diffuse 0 emission 1 }} }}"
+        return (
+            f"texture {{ {_pigment(material, emission, world)} finish {{ ambient 0 diffuse 0 emission 1{mirror} }} }}"
+        )
     albedo = [max(a, LEAST_ALBEDO * e) for a, e in zip(material.albedo, emission, strict=True)]
     ratios = [e / a if e > 0.0 else 0.0 for a, e in zip(albedo, emission, strict=True)]
-    finish = f"finish {{ ambient 0 diffuse 1 emission {_colour(ratios)} }}"
+    finish = f"finish {{ ambient 0 diffuse 1 emission {_colour(ratios)}{mirror} }}"
     return f"texture {{ {_pigment(material, albedo, world)} {finish} }}"
 
 
