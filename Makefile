@@ -25,6 +25,10 @@ CPPFLAGS := -Icsrc/include -Icsrc/sampler -Icsrc/filter -Icsrc/discrepancy -Icsr
 EMBREE := -lembree3
 OSMESA := -lOSMesa
 
+# Tests run side by side.
+CORES := $(shell nproc)
+TOGETHER := --jobs=$(CORES) --output-sync=target
+
 say = echo "  $(1) $@"
 objects = $(patsubst csrc/%.c,$(OBJECTS)/%.o,$(wildcard csrc/$(1)/*.c))
 LIBRARY_OBJECTS := $(foreach part,sampler filter discrepancy warp estimate,$(call objects,$(part)))
@@ -48,12 +52,17 @@ all: $(BINDINGS) $(PLUGIN) $(VERSIONED)
 compare: all
 	@$(VENV)/bin/aliascope compare --profile quick -o $(RESULTS)/compare
 
+## mitchell   measure Mitchell's table of random edges again, and write its page
+.PHONY: mitchell
+mitchell: all
+	@$(VENV)/bin/aliascope mitchell -o $(RESULTS)/mitchell
+
 ## test       every test: C (also under sanitizers), Python, browser
 .PHONY: test
 test: all
-	$(MAKE) --no-print-directory c-tests
-	$(MAKE) --no-print-directory c-tests VARIANT=sanitized
-	$(VENV)/bin/pytest
+	$(MAKE) --no-print-directory $(TOGETHER) c-tests
+	$(MAKE) --no-print-directory $(TOGETHER) c-tests VARIANT=sanitized
+	$(VENV)/bin/pytest --numprocesses $(CORES) --dist loadfile
 
 ## lint       formatters, linters, types, layers
 .PHONY: lint
@@ -118,13 +127,20 @@ $(OBJECTS)/%.o: csrc/%.c Makefile | $(BUILD)/system.stamp
 # The libraries are the release variant's; each names the folder it lies in as where to look for the others.
 SHARED = @$(call say,linking) && $(CC) -shared $(CFLAGS) $(filter %.o,$^) -Wl,--no-undefined -Wl,-rpath,'$$ORIGIN' -L$(LIBRARIES) -o $@
 
-$(LIBRARIES)/libaliascope.so: $(LIBRARY_OBJECTS)
+# What libaliascope exports: the functions that the headers declare. Hidden visibility leaves out of account what the
+# compiler adds where a function is compiled for several instruction sets.
+EXPORTS := $(BUILD)/exports.map
+$(EXPORTS): $(wildcard csrc/include/aliascope/*.h) Makefile
 	@mkdir -p $(@D)
-	$(SHARED) -Wl,-soname,libaliascope.so -lm -ldl
+	@{ echo '{ global:'; sed -n 's/^ASC_API .*[ *]\(asc_[a-z0-9_]*\)(.*/\1;/p' $(filter %.h,$^); echo 'local: *; };'; } >$@
 
-$(VERSIONED): $(LIBRARY_OBJECTS)
+$(LIBRARIES)/libaliascope.so: $(LIBRARY_OBJECTS) $(EXPORTS)
 	@mkdir -p $(@D)
-	@$(call say,linking) && $(CC) -shared $(CFLAGS) $^ -Wl,--no-undefined -Wl,-soname,$(SONAME) -o $@ -lm -ldl
+	$(SHARED) -Wl,--version-script=$(EXPORTS) -Wl,-soname,libaliascope.so -lm -ldl
+
+$(VERSIONED): $(LIBRARY_OBJECTS) $(EXPORTS)
+	@mkdir -p $(@D)
+	@$(call say,linking) && $(CC) -shared $(CFLAGS) $(filter %.o,$^) -Wl,--no-undefined -Wl,--version-script=$(EXPORTS) -Wl,-soname,$(SONAME) -o $@ -lm -ldl
 
 $(LIBRARIES)/libaliascope-tracer.so: $(TRACER_OBJECTS) $(LIBRARIES)/libaliascope.so
 	$(SHARED) -Wl,-soname,libaliascope-tracer.so -laliascope $(EMBREE) -lm
@@ -149,9 +165,10 @@ $(BUILD)/plugins/%.so: csrc/plugins/%.c csrc/include/aliascope/*.h
 
 # --- C tests and benchmarks -------------------------------------------------------------------------------------------
 
-.PHONY: c-tests
-c-tests: $(C_TESTS)
-	@for test in $(C_TESTS); do LSAN_OPTIONS=suppressions=tests/c/leaks.supp:print_suppressions=0 $$test || exit 1; done
+.PHONY: c-tests $(C_TESTS:%=run-%)
+c-tests: $(C_TESTS:%=run-%)
+$(C_TESTS:%=run-%): run-%: %
+	@LSAN_OPTIONS=suppressions=tests/c/leaks.supp:print_suppressions=0 $<
 
 # Tests link the objects, to reach what is hidden.
 $(OBJECTS)/test_%: tests/c/test_%.c $(LIBRARY_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile

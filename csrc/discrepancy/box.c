@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "coordinates.h"
 #include "measure.h"
 #include "vectorise.h"
 
@@ -46,11 +47,12 @@ typedef struct box_search {
   double lower[2], upper[2]; /* of the best box, [0] across */
 } box_search;
 
-/* The largest sum of a run for each pair, of 1 a point less the area. Inactive points may be ends of a run: that never
- * makes it better than the best. A run's sum is the difference of two sums from the start; of points with equal y the
- * first has the least sum before it, the last the largest after it. */
-ASC_VECTORISE
-static void most_excess(const strip *points, range_pairs *pairs) {
+/* The largest sum of a run for each pair: of 1 a point less the area where `closed`, from a point to a point; else of
+ * the area less the points between the ends, which are points' y, 0 and 1. A run's sum is the difference of two sums
+ * from the start. Of points with equal y, of which all count where the border is closed, the first has the least sum
+ * before it and the last the largest after it; and the other way round where it is open. Points that are not in the
+ * pair's ranges may be ends of a run: that never makes it better than the best. */
+ASC_INLINE void best_runs(const strip *points, range_pairs *pairs, const int closed) {
   double counted[PAIRS] = {0.0}, low[PAIRS] = {0.0}, best[PAIRS] = {0.0};
   double from[PAIRS], to[PAIRS], width[PAIRS];
   memcpy(from, pairs->from, sizeof from);
@@ -59,39 +61,28 @@ static void most_excess(const strip *points, range_pairs *pairs) {
   for (size_t i = 0; i < points->count; i++) {
     const double rank = points->rank[i], y = points->y[i];
     for (size_t p = 0; p < PAIRS; p++) {
-      const double area = width[p] * y, before = counted[p] - area;
-      low[p] = before < low[p] ? before : low[p];
+      const double area = width[p] * y;
+      const double before = closed ? counted[p] - area : area - counted[p];
       counted[p] += ((rank >= from[p]) & (rank <= to[p])) ? 1.0 : 0.0;
-      const double sum = counted[p] - area - low[p];
+      const double after = closed ? counted[p] - area : area - counted[p];
+      const double begin = closed ? before : after;
+      if (closed) low[p] = begin < low[p] ? begin : low[p];
+      const double sum = (closed ? after : before) - low[p];
       best[p] = sum > best[p] ? sum : best[p];
-    }
-  }
-  memcpy(pairs->best, best, sizeof best);
-}
-
-/* The same for the area less the points between, the ends being points' y, 0 and 1. */
-ASC_VECTORISE
-static void most_lack(const strip *points, range_pairs *pairs) {
-  double counted[PAIRS] = {0.0}, low[PAIRS] = {0.0}, best[PAIRS] = {0.0};
-  double from[PAIRS], to[PAIRS], width[PAIRS];
-  memcpy(from, pairs->from, sizeof from);
-  memcpy(to, pairs->to, sizeof to);
-  memcpy(width, pairs->width, sizeof width);
-  for (size_t i = 0; i < points->count; i++) {
-    const double rank = points->rank[i], y = points->y[i];
-    for (size_t p = 0; p < PAIRS; p++) {
-      const double area = width[p] * y, sum = area - counted[p] - low[p];
-      best[p] = sum > best[p] ? sum : best[p];
-      counted[p] += ((rank >= from[p]) & (rank <= to[p])) ? 1.0 : 0.0;
-      const double after = area - counted[p];
-      low[p] = after < low[p] ? after : low[p];
+      if (!closed) low[p] = begin < low[p] ? begin : low[p];
     }
   }
   for (size_t p = 0; p < PAIRS; p++) {
-    const double sum = width[p] - counted[p] - low[p];
+    const double sum = closed ? 0.0 : width[p] - counted[p] - low[p];
     pairs->best[p] = sum > best[p] ? sum : best[p];
   }
 }
+
+ASC_VECTORISE
+static void most_excess(const strip *points, range_pairs *pairs) { best_runs(points, pairs, 1); }
+
+ASC_VECTORISE
+static void most_lack(const strip *points, range_pairs *pairs) { best_runs(points, pairs, 0); }
 
 /* Finds the ends of the run that one of the two found for a pair, by the same steps. */
 static void keep_box(box_search *search, const strip *points, const range_pairs *pairs, size_t p, size_t a, size_t b) {
@@ -172,49 +163,33 @@ static void visit(box_search *search, size_t level, size_t first, size_t last) {
   }
 }
 
-typedef struct sorted_point {
-  double value;
-  size_t index;
-} sorted_point;
-
-static int by_value(const void *a, const void *b) {
-  const sorted_point *p = a, *q = b;
-  return p->value != q->value ? (p->value > q->value) - (p->value < q->value)
-                              : (p->index > q->index) - (p->index < q->index);
-}
-
-static void sort_points(const asc_point_set *set, int dimension, sorted_point *sorted) {
-  for (size_t i = 0; i < set->count; i++) sorted[i] = (sorted_point){set->points[2 * i + (size_t)dimension], i};
-  qsort(sorted, set->count, sizeof *sorted, by_value);
-}
-
-static size_t distinct(const sorted_point *sorted, size_t count) {
+static size_t distinct(const asc_coordinate *sorted, size_t count) {
   size_t found = 1;
   for (size_t i = 1; i < count; i++) found += sorted[i].value != sorted[i - 1].value;
   return found;
 }
 
 /* Fills the sides, with 0 and 1, and the strip of all points. */
-static void prepare(box_search *search, strip *all, sorted_point *sorted, double *rank) {
+static void prepare(box_search *search, strip *all, asc_coordinate *sorted, double *rank) {
   const size_t n = search->set->count;
-  sort_points(search->set, 1, sorted);
+  asc_sort_coordinates(search->set, 1, sorted);
   const size_t in_y = distinct(sorted, n);
-  sort_points(search->set, 0, sorted);
+  asc_sort_coordinates(search->set, 0, sorted);
   search->across = in_y < distinct(sorted, n); /* there are the fewer pairs */
-  if (search->across) sort_points(search->set, 1, sorted);
+  if (search->across) asc_sort_coordinates(search->set, 1, sorted);
   double *sides = search->sides;
   size_t count = 1;
   sides[0] = 0.0;
   for (size_t i = 0; i < n; i++) {
     if (sorted[i].value > sides[count - 1]) sides[count++] = sorted[i].value;
-    rank[sorted[i].index] = (double)(count - 1);
+    rank[sorted[i].point] = (double)(count - 1);
   }
   if (sides[count - 1] < 1.0) sides[count++] = 1.0;
   search->side_count = count;
-  sort_points(search->set, !search->across, sorted);
+  asc_sort_coordinates(search->set, !search->across, sorted);
   for (size_t i = 0; i < n; i++) {
     all->y[i] = sorted[i].value;
-    all->rank[i] = rank[sorted[i].index];
+    all->rank[i] = rank[sorted[i].point];
   }
   all->count = n;
 }
@@ -247,10 +222,10 @@ static asc_status box_evaluate(const asc_point_set *set, const double *values, a
   size_t levels = 1;
   while ((size_t)1 << 2 * levels < n + 2) levels++;
   const size_t doubles = (levels + 1) * 2 * n + 2 * n + 2;
-  char *memory = calloc(1, doubles * sizeof(double) + n * sizeof(sorted_point));
+  char *memory = calloc(1, doubles * sizeof(double) + n * sizeof(asc_coordinate));
   if (!memory) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
   box_search search = {.set = set};
-  sorted_point *sorted = (sorted_point *)memory;
+  asc_coordinate *sorted = (asc_coordinate *)memory;
   double *next = (double *)(sorted + n);
   for (size_t level = 1; level <= levels; level++, next += 2 * n) search.strips[level] = (strip){next, next + n, 0};
   search.sides = next;

@@ -65,20 +65,24 @@ static inline double two(kernel of, double x, double y, double x_off, double y_o
   return 0.0;
 }
 
-/* products[j] *= two(x, y[j]), for one kernel that is known when this is compiled. */
+/* The products are two(x, y[j]) of the first dimension, times those of the others, for one kernel that is known when
+ * this is compiled. */
 #define FACTORS(of)                                                                                                    \
   case of:                                                                                                             \
-    for (size_t j = 0; j < RUN; j++) products[j] *= two(of, x, y[j], x_off, y_off[j]);                                 \
+    if (d == 0)                                                                                                        \
+      for (size_t j = 0; j < padded; j++) products[j] = two(of, x, y[j], x_off, y_off[j]);                             \
+    else                                                                                                               \
+      for (size_t j = 0; j < padded; j++) products[j] *= two(of, x, y[j], x_off, y_off[j]);                            \
     break;
 
 /* The sum over j in [0, count) of prod_k two(x_k, y_kj) - middle; both have a row of `stride` values a dimension, RUN
- * of which can be read. Eight partial sums, so that it can be vectorised with the same bits everywhere. */
+ * of which can be read. PARTS partial sums, so that it can be vectorised with the same bits everywhere. */
 ASC_VECTORISE
 static double sum_run(kernel of, uint32_t dimensions, const double *point, const double *rows, size_t stride,
                       size_t offset, size_t count, double middle) {
   enum { PARTS = 8 };
   double products[RUN], parts[PARTS] = {0.0};
-  for (size_t j = 0; j < RUN; j++) products[j] = 1.0;
+  const size_t padded = (count + PARTS - 1) / PARTS * PARTS;
   for (uint32_t d = 0; d < dimensions; d++) {
     const double *y = rows + d * stride, *y_off = y + offset;
     const double x = point[d * stride], x_off = point[d * stride + offset];
@@ -91,8 +95,8 @@ static double sum_run(kernel of, uint32_t dimensions, const double *point, const
       FACTORS(PERIODIC)
     }
   }
-  for (size_t j = count; j < RUN; j++) products[j] = middle;
-  for (size_t j = 0; j < RUN; j += PARTS)
+  for (size_t j = count; j < padded; j++) products[j] = middle;
+  for (size_t j = 0; j < padded; j += PARTS)
     for (size_t p = 0; p < PARTS; p++) parts[p] += products[j + p] - middle;
   double sum = 0.0;
   for (size_t p = 0; p < PARTS; p++) sum += parts[p];

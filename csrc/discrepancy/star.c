@@ -12,6 +12,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "coordinates.h"
 #include "measure.h"
 #include "vectorise.h"
 
@@ -221,24 +222,13 @@ static void descend(star_search *search, uint32_t dimension, double share) {
   for (size_t i = 0; i < n; i++) search->level[order[i]]--;
 }
 
-typedef struct sorted_point {
-  double value;
-  uint32_t index;
-} sorted_point;
-
-static int by_value(const void *a, const void *b) {
-  const sorted_point *p = a, *q = b;
-  return p->value != q->value ? (p->value > q->value) - (p->value < q->value)
-                              : (p->index > q->index) - (p->index < q->index);
-}
-
 /* All memory of a search in one piece: doubles first, then the 32-bit arrays. */
-static void *allot(star_search *search, sorted_point **sorted) {
+static void *allot(star_search *search, asc_coordinate **sorted) {
   const size_t n = search->set->count + 1, padded = n + PARTS;
   const size_t doubles = 2 * n + 5 * padded, words = (MOST_DIMENSIONS + 2) * n + n + LEAST_BLOCK + 2 * padded;
-  char *memory = calloc(1, n * sizeof(sorted_point) + doubles * sizeof(double) + words * sizeof(uint32_t));
+  char *memory = calloc(1, n * sizeof(asc_coordinate) + doubles * sizeof(double) + words * sizeof(uint32_t));
   if (!memory) return NULL;
-  *sorted = (sorted_point *)memory;
+  *sorted = (asc_coordinate *)memory;
   double *next = (double *)(*sorted + n);
   double **const candidate[] = {&search->slope, &search->excess};
   for (size_t i = 0; i < 2; i++, next += n) *candidate[i] = next;
@@ -255,12 +245,13 @@ static void *allot(star_search *search, sorted_point **sorted) {
   return memory;
 }
 
-static void sort_points(star_search *search, sorted_point *sorted) {
-  for (uint32_t d = 0; d < search->set->dimensions || d < 2; d++) {
-    for (uint32_t i = 0; i < search->set->count; i++) sorted[i] = (sorted_point){coordinate(search, i, d), i};
-    qsort(sorted, search->set->count, sizeof *sorted, by_value);
-    for (uint32_t i = 0; i < search->set->count; i++) search->order[d][i] = sorted[i].index;
+static void sort_points(star_search *search, asc_coordinate *sorted) {
+  for (uint32_t d = 0; d < search->set->dimensions; d++) {
+    asc_sort_coordinates(search->set, d, sorted);
+    for (uint32_t i = 0; i < search->set->count; i++) search->order[d][i] = sorted[i].point;
   }
+  if (search->set->dimensions == 1) /* in the second dimension all are equal */
+    for (uint32_t i = 0; i < search->set->count; i++) search->order[1][i] = i;
 }
 
 static asc_status star_evaluate(const asc_point_set *set, const double *values, asc_measurement *made,
@@ -269,7 +260,7 @@ static asc_status star_evaluate(const asc_point_set *set, const double *values, 
   if (set->count > MOST_POINTS)
     return asc_fail(error, ASC_UNSUPPORTED, "star is exact for up to 2^24 points; star-bounds takes more");
   star_search search = {.set = set};
-  sorted_point *sorted = NULL;
+  asc_coordinate *sorted = NULL;
   void *memory = allot(&search, &sorted);
   if (!memory) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
   sort_points(&search, sorted);

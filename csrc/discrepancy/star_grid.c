@@ -3,21 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct coordinate {
-  double value;
-  uint32_t point;
-} coordinate;
+#include "coordinates.h"
 
-static int by_value(const void *a, const void *b) {
-  const coordinate *p = a, *q = b;
-  return (p->value > q->value) - (p->value < q->value);
-}
-
-static void rank_dimension(asc_star_grid *grid, uint32_t dimension, coordinate *sorted) {
+static void rank_dimension(asc_star_grid *grid, uint32_t dimension, asc_coordinate *sorted) {
   const asc_point_set *set = grid->set;
-  for (size_t i = 0; i < set->count; i++)
-    sorted[i] = (coordinate){set->points[i * set->dimensions + dimension], (uint32_t)i};
-  qsort(sorted, set->count, sizeof *sorted, by_value);
+  asc_sort_coordinates(set, dimension, sorted);
   double *values = grid->values + dimension * (set->count + 1);
   uint32_t *ranks = grid->ranks + dimension * set->count, levels = 0;
   for (size_t i = 0; i < set->count; i++) {
@@ -34,7 +24,7 @@ asc_status asc_star_grid_make(asc_star_grid *grid, const asc_point_set *set) {
   grid->ranks = malloc(count * set->dimensions * sizeof *grid->ranks);
   grid->values = malloc((count + 1) * set->dimensions * sizeof *grid->values);
   grid->levels = malloc(set->dimensions * sizeof *grid->levels);
-  coordinate *sorted = malloc(count * sizeof *sorted);
+  asc_coordinate *sorted = malloc(count * sizeof *sorted);
   asc_status status = ASC_OK;
   if (grid->ranks && grid->values && grid->levels && sorted)
     for (uint32_t d = 0; d < set->dimensions; d++) rank_dimension(grid, d, sorted);

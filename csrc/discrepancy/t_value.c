@@ -6,8 +6,8 @@
  * definition 2.2; Sobol 1967 in base 2). Found by counting, from t = 0 up, each t until a shape fails it. That is at
  * most binomial(m + s, s) shapes of N counts each; MOST_COUNTS of them are made.
  *
- * Intervals of base 2 are told apart exactly. In other bases their borders are no double, and a coordinate up to 2^-48
- * below one, which is what rounding in making it may have cost, counts as on it. */
+ * Intervals of a base that is a power of 2 are told apart exactly. In other bases their borders are no double, and a
+ * coordinate up to 2^-48 below one, which is what rounding in making it may have cost, counts as on it. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +21,7 @@
 enum { BASE };
 
 static const asc_parameter parameters[] = {
-    {"base", ASC_INTEGER, NULL, 2.0, 65536.0, 2.0, "of the net: N is a power of it"},
+    {"base", ASC_INTEGER, NULL, 2.0, 0x1p20, 2.0, "of the net: N is a power of it"},
 };
 
 typedef struct net_search {
@@ -91,13 +91,14 @@ static asc_status read_digits(net_search *net, asc_error *error) {
   const size_t n = net->set->count;
   const uint32_t s = net->set->dimensions;
   const double scale = (double)n;
+  const int rounded = (net->base & (net->base - 1)) != 0;
   for (size_t i = 0; i < n; i++)
     for (uint32_t d = 0; d < s; d++) {
       const double x = net->set->points[i * s + d], scaled = x * scale;
       if (x == 1.0)
         return asc_fail(error, ASC_UNSUPPORTED, "t-value is of points in [0, 1): point %zu has a coordinate of 1", i);
       double cell = floor(scaled);
-      if (net->base != 2 && cell + 1.0 < scale && cell + 1.0 - scaled <= NEAR * scale) cell += 1.0;
+      if (rounded && cell + 1.0 < scale && cell + 1.0 - scaled <= NEAR * scale) cell += 1.0;
       net->cells[d * n + i] = (uint32_t)cell;
     }
   return ASC_OK;

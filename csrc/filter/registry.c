@@ -3,13 +3,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "primitive.h"
 #include "profile.h"
 #include "quadrature.h"
 #include "spec.h"
 #include "vectorise.h"
 
 /* One line a filter. */
-#define BUILT_IN_FILTERS(X) X(box) X(tent) X(gaussian) X(mitchell) X(catmull_rom) X(lanczos) X(blackman_harris)
+#define BUILT_IN_FILTERS(X)                                                                                            \
+  X(box) X(tent) X(gaussian) X(mitchell) X(catmull_rom) X(lanczos) X(blackman_harris) X(multi_stage)
 
 #define DECLARE(name) extern const asc_filter_interface asc_filter_##name;
 BUILT_IN_FILTERS(DECLARE)
@@ -25,6 +27,7 @@ struct asc_filter {
   double values[MOST_PARAMETERS];
   double radius;
   double scale; /* what makes the interface's profile one of integral 1 */
+  asc_primitive_table table;
   char spec[ASC_SPEC_LENGTH];
 };
 
@@ -85,6 +88,8 @@ asc_status asc_filter_create(const asc_filter_desc *desc, asc_filter **filter, a
   asc_filter *made = calloc(1, sizeof *made);
   if (!made) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
   asc_status status = resolve(made, desc->spec, error);
+  if (status == ASC_OK && asc_primitive_table_create(made, &made->table))
+    status = asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
   if (status) {
     free(made);
     return status;
@@ -93,13 +98,22 @@ asc_status asc_filter_create(const asc_filter_desc *desc, asc_filter **filter, a
   return ASC_OK;
 }
 
-void asc_filter_destroy(asc_filter *filter) { free(filter); }
+void asc_filter_destroy(asc_filter *filter) {
+  if (filter) asc_primitive_table_destroy(&filter->table);
+  free(filter);
+}
 
 asc_status asc_filter_resolved(const asc_filter *filter, asc_filter_desc *desc) {
   if (!filter || !desc) return ASC_INVALID_ARGUMENT;
   *desc = (asc_filter_desc){sizeof *desc, filter->spec};
   return ASC_OK;
 }
+
+double asc_filter_knot_spacing(const asc_filter *filter) {
+  return filter->radius / filter->interface->pieces(filter->values);
+}
+
+const asc_primitive_table *asc_filter_table(const asc_filter *filter) { return &filter->table; }
 
 double asc_filter_radius(const asc_filter *filter) { return filter ? filter->radius : 0.0; }
 

@@ -79,10 +79,15 @@ static inline asc_key asc_stream_key(uint64_t seed, int32_t pixel_x, int32_t pix
   return asc_pixel_key(asc_seed_mix(seed), pixel_x, pixel_y);
 }
 
+/* Where in SplitMix64's sequence (index, purpose) of the stream of `key` is; the next index is ASC_GOLDEN further. */
+static inline uint64_t asc_draw_start(asc_key key, uint32_t index, uint32_t purpose) {
+  const uint64_t start = ((uint64_t)key.word[1] << 32) | key.word[0];
+  return start + (((uint64_t)purpose << 32) + index + 1) * ASC_GOLDEN;
+}
+
 /* 64 random bits for (index, purpose) in the stream of `key`. */
 static inline uint64_t asc_draw(asc_key key, uint32_t index, uint32_t purpose) {
-  const uint64_t start = ((uint64_t)key.word[1] << 32) | key.word[0];
-  return asc_mix64(start + (((uint64_t)purpose << 32) + index + 1) * ASC_GOLDEN);
+  return asc_mix64(asc_draw_start(key, index, purpose));
 }
 
 /* 64 random bits of one sample in the sequence that starts with a drawn number. */

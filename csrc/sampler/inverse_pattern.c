@@ -61,11 +61,15 @@ static double nested_or_shifted(const asc_inverse_pattern *pattern, uint32_t dim
   return nested ? asc_binary_nested(x, key) : asc_binary_shifted(x, key);
 }
 
+static double plain_value(const asc_inverse_pattern *pattern, uint32_t dimension, uint64_t index) {
+  const asc_radix *radix = &pattern->radices[dimension];
+  return radix->base ? asc_radical_inverse(radix, index) : (double)index / (double)pattern->samples;
+}
+
 static double value_at(const asc_inverse_pattern *pattern, uint32_t dimension, uint64_t index, asc_key key) {
   if (pattern->scramble == ASC_SCRAMBLE_DIGIT || pattern->scramble == ASC_SCRAMBLE_OWEN)
     return nested_or_shifted(pattern, dimension, index, asc_digit_key_of(key, dimension));
-  const asc_radix *radix = &pattern->radices[dimension];
-  const double x = radix->base ? asc_radical_inverse(radix, index) : (double)index / (double)pattern->samples;
+  const double x = plain_value(pattern, dimension, index);
   return pattern->scramble == ASC_SCRAMBLE_SHIFT ? asc_rotate(x, asc_rotation(key, dimension)) : x;
 }
 
@@ -147,8 +151,7 @@ static void fill_columns(const asc_inverse_pattern *pattern, run runs[ASC_TILE_C
 
 #define FEW 4 /* samples that are quicker made one by one */
 
-asc_status asc_inverse_pattern_fill(const void *opaque, const asc_range *range, double *points) {
-  const asc_inverse_pattern *pattern = opaque;
+ASC_APART asc_status fill_range(const asc_inverse_pattern *pattern, const asc_range *range, double *points) {
   const asc_key key = asc_pixel_key(pattern->seed_mix, range->pixel_x, range->pixel_y);
   const uint32_t begin = range->first_dimension, stride = range->dimension_count;
   const int digits = pattern->scramble == ASC_SCRAMBLE_DIGIT || pattern->scramble == ASC_SCRAMBLE_OWEN;
@@ -171,5 +174,14 @@ asc_status asc_inverse_pattern_fill(const void *opaque, const asc_range *range, 
     for (uint32_t c = 0; c < columns; c++) runs[c] = begin_run(pattern, begin + d + c, range->first_sample, key);
     fill_columns(pattern, runs, columns, range->first_sample, range->sample_count, points + d, stride);
   }
+  return ASC_OK;
+}
+
+asc_status asc_inverse_pattern_fill(const void *opaque, const asc_range *range, double *points) {
+  const asc_inverse_pattern *pattern = opaque;
+  if (range->sample_count != 1 || pattern->scramble != ASC_SCRAMBLE_NONE) return fill_range(pattern, range, points);
+  const uint64_t index = range->first_sample;
+  for (uint32_t d = 0; d < range->dimension_count; d++)
+    points[d] = plain_value(pattern, range->first_dimension + d, index);
   return ASC_OK;
 }

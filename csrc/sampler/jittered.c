@@ -62,14 +62,16 @@ ASC_INLINE double row_of(double cell, double per_side) { return (double)(int32_t
 /* --- one point ------------------------------------------------------------------------------------------------------
  */
 
-/* The dimensions [begin, end) of the quad. */
-static void make_point(const jittered_state *state, const quad *of, uint64_t sample, uint32_t begin, uint32_t end,
-                       double *point) {
+/* The dimensions [begin, end) of one quad. */
+ASC_VECTORISE
+static void make_point(const jittered_state *state, asc_key key, uint32_t quad_index, uint64_t sample, uint32_t begin,
+                       uint32_t end, double *point) {
   for (uint32_t half = begin / 2; 2 * half < end; half++) {
-    const uint64_t bits = asc_draw_at(of->start[half], sample);
+    const uint32_t pair = 2 * quad_index + half;
+    const uint64_t bits = asc_draw_at(asc_draw(key, pair, ASC_PURPOSE_STRATUM), sample);
     const uint32_t bits_x = (uint32_t)(bits >> 32), bits_y = (uint32_t)bits;
-    const double cell = (double)(of->shuffled[half] ? asc_permutation_at(&of->shuffle[half], sample) : sample);
-    if (of->alone[half]) {
+    const double cell = (double)(int64_t)(pair > 0 ? asc_permutation_image(state->samples, key, pair, sample) : sample);
+    if (2 * pair + 1 == state->dimensions) {
       *point = asc_jitter_place(state->in_stratum, cell, bits_x);
       return;
     }
@@ -137,22 +139,30 @@ static void fill_quad(const jittered_state *state, const asc_range *range, const
 
 #define FEW 4 /* samples that are quicker made one by one */
 
-static asc_status jittered_fill(const void *opaque, const asc_range *range, double *points) {
-  const jittered_state *state = opaque;
-  const asc_key key = asc_pixel_key(state->seed_mix, range->pixel_x, range->pixel_y);
+ASC_APART void fill_range(const jittered_state *state, const asc_range *range, asc_key key, double *points) {
   const uint32_t first = range->first_dimension, past = first + range->dimension_count;
   for (uint32_t q = first / QUAD; q * QUAD < past; q++) {
     const uint32_t begin = q * QUAD < first ? first % QUAD : 0, end = past - q * QUAD < QUAD ? past - q * QUAD : QUAD;
     double *columns = points + (q * QUAD + begin - first);
-    quad of;
-    make_quad(state, key, q, &of);
     if (range->sample_count > FEW) {
+      quad of;
+      make_quad(state, key, q, &of);
       fill_quad(state, range, &of, begin, end, columns);
       continue;
     }
     for (uint32_t i = 0; i < range->sample_count; i++)
-      make_point(state, &of, range->first_sample + i, begin, end, columns + (size_t)i * range->dimension_count);
+      make_point(state, key, q, range->first_sample + i, begin, end, columns + (size_t)i * range->dimension_count);
   }
+}
+
+static asc_status jittered_fill(const void *opaque, const asc_range *range, double *points) {
+  const jittered_state *state = opaque;
+  const asc_key key = asc_pixel_key(state->seed_mix, range->pixel_x, range->pixel_y);
+  const uint32_t begin = range->first_dimension % QUAD, end = begin + range->dimension_count;
+  if (range->sample_count == 1 && end <= QUAD)
+    make_point(state, key, range->first_dimension / QUAD, range->first_sample, begin, end, points);
+  else
+    fill_range(state, range, key, points);
   return ASC_OK;
 }
 

@@ -3,6 +3,7 @@
 #ifndef ASC_LANES_H
 #define ASC_LANES_H
 
+#include "bits.h"
 #include "pattern.h"
 
 /* The part [from, to) of the run of indices begin ... begin + ASC_LANES - 1 that a range asks for; the sample at `from`
@@ -31,13 +32,6 @@ static inline void asc_write_run(const asc_range *range, asc_run run, uint32_t d
   const size_t stride = range->dimension_count;
   double *column = points + run.row * stride + (dimension - range->first_dimension);
   for (uint32_t i = run.from; i < run.to; i++) column[(i - run.from) * stride] = values[i];
-}
-
-static inline uint32_t asc_reverse_bits(uint32_t x) {
-  x = __builtin_bswap32(x);
-  x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
-  x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
-  return ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
 }
 
 #endif

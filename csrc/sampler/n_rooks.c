@@ -56,16 +56,21 @@ static void make_quad(const n_rooks_state *state, asc_key key, uint32_t index, u
     made->start[half] = asc_draw(key, index * QUAD / 2 + half, ASC_PURPOSE_STRATUM);
 }
 
-static void make_point(const n_rooks_state *state, const quad *of, uint64_t sample, uint32_t begin, uint32_t end,
-                       double *point) {
-  for (uint32_t d = begin; d < end; d++) {
-    const double cell = (double)asc_permutation_at(&of->permutation[d], sample);
+/* The columns [begin, end) of one quad of one sample. */
+ASC_VECTORISE
+static void make_point(const n_rooks_state *state, asc_key key, uint32_t quad_index, uint64_t sample, uint32_t begin,
+                       uint32_t end, double *point) {
+  const uint32_t past = quad_index * QUAD + end;
+  uint64_t bits = 0;
+  for (uint32_t d = quad_index * QUAD + begin; d < past; d++, point++) {
+    const double cell = (double)asc_permutation_image(state->samples, key, d, sample);
     if (!state->jittered) {
-      *point++ = (cell + state->offset) / (double)state->samples;
+      *point = (cell + state->offset) / (double)state->samples;
       continue;
     }
-    const uint64_t bits = asc_draw_at(of->start[d / 2], sample);
-    *point++ = asc_jitter_place(state->jitter, cell, (uint32_t)(d % 2 ? bits : bits >> 32));
+    if (d % 2 == 0 || d == quad_index * QUAD + begin)
+      bits = asc_draw_at(asc_draw(key, d / 2, ASC_PURPOSE_STRATUM), sample);
+    *point = asc_jitter_place(state->jitter, cell, (uint32_t)(d % 2 ? bits : bits >> 32));
   }
 }
 
@@ -100,25 +105,34 @@ static void make_columns(const n_rooks_state *state, const quad *of, double (*ce
 
 #define FEW 4 /* samples that are quicker made one by one */
 
-static asc_status n_rooks_fill(const void *opaque, const asc_range *range, double *points) {
-  const n_rooks_state *state = opaque;
-  const asc_key key = asc_pixel_key(state->seed_mix, range->pixel_x, range->pixel_y);
+ASC_APART void fill_range(const n_rooks_state *state, const asc_range *range, asc_key key, double *points) {
   const uint32_t low = range->first_dimension, past = low + range->dimension_count;
   const size_t count = range->sample_count, stride = range->dimension_count;
   for (uint32_t q = low / QUAD; q * QUAD < past; q++) {
     const uint32_t begin = q * QUAD < low ? low % QUAD : 0, end = past - q * QUAD < QUAD ? past - q * QUAD : QUAD;
     double *columns = points + (q * QUAD + begin - low), cells[QUAD][RUN];
+    for (size_t i = 0; i < count && count <= FEW; i++)
+      make_point(state, key, q, range->first_sample + i, begin, end, columns + i * stride);
+    if (count <= FEW) continue;
     quad of;
     make_quad(state, key, q, begin, end, &of);
-    for (size_t i = 0; i < count && count <= FEW; i++)
-      make_point(state, &of, range->first_sample + i, begin, end, columns + i * stride);
-    for (size_t done = 0; done < count && count > FEW; done += RUN) {
+    for (size_t done = 0; done < count; done += RUN) {
       const uint64_t first = range->first_sample + done;
       for (uint32_t d = begin; d < end; d++) asc_permutation_run(&of.permutation[d], first, cells[d]);
       make_columns(state, &of, cells, first, count - done < RUN ? (uint32_t)(count - done) : RUN, begin, end,
                    columns + done * stride, stride);
     }
   }
+}
+
+static asc_status n_rooks_fill(const void *opaque, const asc_range *range, double *points) {
+  const n_rooks_state *state = opaque;
+  const asc_key key = asc_pixel_key(state->seed_mix, range->pixel_x, range->pixel_y);
+  const uint32_t begin = range->first_dimension % QUAD, end = begin + range->dimension_count;
+  if (range->sample_count == 1 && end <= QUAD)
+    make_point(state, key, range->first_dimension / QUAD, range->first_sample, begin, end, points);
+  else
+    fill_range(state, range, key, points);
   return ASC_OK;
 }
 

@@ -28,24 +28,8 @@ static void make_table(asc_permutation *made, uint64_t size, asc_key key, uint32
 /* --- above: a keyed bijection, walked -------------------------------------------------------------------------------
  */
 
-ASC_INLINE uint64_t rotate_left(uint64_t x, uint32_t by) { return (x << (by & 63u)) | (x >> ((64u - by) & 63u)); }
-
-/* Rotations, so that small n, which see the low bits, see others in each round. */
-ASC_INLINE uint64_t addend(const asc_permutation *permutation, uint32_t round) {
-  return rotate_left(permutation->addends, 11 * round);
-}
-
-ASC_INLINE uint64_t multiplier(const asc_permutation *permutation, uint32_t round) {
-  return rotate_left(permutation->multipliers, 11 * round) | 1u;
-}
-
 void asc_permutation_key(asc_permutation *made, uint64_t size, uint64_t addends, uint64_t multipliers) {
-  const uint32_t bits = 64 - (uint32_t)__builtin_clzll(size - 1);
-  made->size = size;
-  made->mask = ((uint64_t)1 << bits) - 1;
-  made->shift = (bits + 1) / 2;
-  made->addends = addends;
-  made->multipliers = multipliers;
+  asc_permutation_set(made, size, addends, multipliers);
 }
 
 void asc_permutation_make(asc_permutation *made, uint64_t size, asc_key key, uint32_t index) {
@@ -56,22 +40,21 @@ void asc_permutation_make(asc_permutation *made, uint64_t size, asc_key key, uin
                         asc_draw(key, 2 * index + 1, ASC_PURPOSE_PERMUTATION));
 }
 
+ASC_VECTORISE
+static uint64_t walk_one(const asc_permutation *permutation, uint64_t element) {
+  return asc_permutation_walk(permutation, element);
+}
+
 uint64_t asc_permutation_at(const asc_permutation *permutation, uint64_t element) {
-  if (permutation->size <= ASC_PERMUTATION_TABLE) return permutation->table[element];
-  do {
-    for (uint32_t round = 0; round < ASC_PERMUTATION_ROUNDS; round++) {
-      element = (element + addend(permutation, round)) * multiplier(permutation, round) & permutation->mask;
-      element ^= element >> permutation->shift;
-    }
-  } while (element >= permutation->size);
-  return element;
+  return permutation->size <= ASC_PERMUTATION_TABLE ? permutation->table[element] : walk_one(permutation, element);
 }
 
 /* The bijection in 32 bits. A round is a chain of dependent steps, so all elements go through one before the next. */
 ASC_INLINE void apply(const asc_permutation *permutation, uint32_t x[ASC_PERMUTATION_RUN]) {
   const uint32_t mask = (uint32_t)permutation->mask, shift = permutation->shift;
   for (uint32_t round = 0; round < ASC_PERMUTATION_ROUNDS; round++) {
-    const uint32_t added = (uint32_t)addend(permutation, round), factor = (uint32_t)multiplier(permutation, round);
+    const uint32_t added = (uint32_t)asc_permutation_addend(permutation->addends, round);
+    const uint32_t factor = (uint32_t)asc_permutation_multiplier(permutation->multipliers, round);
     for (int i = 0; i < ASC_PERMUTATION_RUN; i++) {
       const uint32_t product = (x[i] + added) * factor & mask;
       x[i] = product ^ (product >> shift);

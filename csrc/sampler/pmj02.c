@@ -15,26 +15,32 @@
  * drawn anew. That is nested uniform scrambling (Owen 1995), of the digits of x, of y, and of the index (from its
  * highest digit, so that aligned runs stay aligned runs); Helmer et al. say the same of the digits.
  *
- * So it is done here: each node of each of the three trees has a bit of its own from a hash. A node is the digits
- * before a digit; all digits that a point is the first to enter come from one word.
+ * So it is done here, without a table and so without a table's end: the digits of x and of y by the hash of owen.h, and
+ * the order by a hash like it, on the index with its highest digit first, that has what makes products of three digits
+ * as well: all 2^11 orders of the points 2 to 15, each within its own generation, are equally likely to within the
+ * tests' sight, of 65,536 pixels.
  *
- * Beside sobol:scramble=owen: as sets, runs of 2^m points of its first two dimensions have this distribution, as far as
- * its scrambling is uniform; it has Sobol's order, and one sequence of all dimensions, of which only some pairs are
- * (0,2)-sequences. Here (0,1), (2,3), ... are independent sequences, each (0,2), in orders of their own, as many as one
- * likes, with no quality in the projections to other pairs but that of independent strata.
+ * Beside sobol:scramble=owen: as sets, runs of 2^m points of its first two dimensions have this distribution; it has
+ * Sobol's order, and one sequence of all dimensions, of which only some pairs are (0,2)-sequences. Here (0,1), (2,3),
+ * ... are independent sequences, each (0,2), in orders of their own, as many as one likes, with no quality in the
+ * projections to other pairs but that of independent strata.
  *
- * The order keeps index 0 where it is, which changes nothing in distribution (turning all indices by the same bits
- * turns all x and y by the same digits) and keeps each run 2^m ... 2^(m+1) - 1 in place. Values have 32 bits. */
+ * The order turns the place of index 0 too, and all others by the same bits, which changes nothing in distribution, as
+ * it turns all x and y by the same digits. Values have 32 bits. */
 #include <stdlib.h>
+#include <string.h>
 
-#include "lanes.h"
-#include "vectorise.h"
+#include "owen.h"
+#include "pattern.h"
+#include "tile.h"
+#if ASC_HAS_LEVELS
+#include <immintrin.h>
+#endif
 
-#define BITS 32
-#define MOST_TABLE_BITS 10 /* 4 KiB for each coordinate, within the first-level cache */
+#define QUAD ASC_TILE_COLUMNS
 
 typedef struct pmj02_state {
-  uint64_t seed;
+  uint64_t seed_mix;
 } pmj02_state;
 
 static asc_status pmj02_create(const asc_sampler_config *config, asc_sampler_state *made, asc_error *error) {
@@ -42,193 +48,81 @@ static asc_status pmj02_create(const asc_sampler_config *config, asc_sampler_sta
     return asc_fail(error, ASC_UNSUPPORTED, "pmj02 has 32 bits, so at most 2^32 points");
   pmj02_state *state = malloc(sizeof *state);
   if (!state) return asc_fail(error, ASC_OUT_OF_MEMORY, "pmj02: out of memory");
-  state->seed = config->seed;
+  state->seed_mix = asc_seed_mix(config->seed);
   *made = (asc_sampler_state){state, ASC_TRAIT_RANDOMISED | ASC_TRAIT_SEQUENCE, ASC_NET_END};
   return ASC_OK;
 }
 
-/* The keys of the trees of one pair of dimensions of one pixel. */
-typedef struct pair_keys {
-  asc_key coordinate[2], order;
-} pair_keys;
+/* The columns [begin, end) of pair number `pair`, 0 <= begin < end <= 2, of the samples first ... last. */
+typedef struct pair_run {
+  uint32_t pair, begin, end, first, last;
+  double *points;
+  size_t stride;
+} pair_run;
 
-/* One block for seed, pixel and pair, not two by way of the stream's key: that is half the time of a single point. */
-static pair_keys keys_of(uint64_t seed, const asc_range *range, uint32_t pair) {
-  const uint32_t counter[4] = {(uint32_t)range->pixel_x, (uint32_t)range->pixel_y, pair, ASC_PURPOSE_SCRAMBLE};
-  const uint32_t seed_words[2] = {(uint32_t)seed, (uint32_t)(seed >> 32)};
-  const asc_block block = asc_philox(counter, seed_words);
-  const uint32_t *word = block.word;
-  /* The sum of two keys is independent of each of them. */
-  return (pair_keys){{{{word[0], word[1]}}, {{word[2], word[3]}}}, {{word[0] + word[2], word[1] + word[3]}}};
-}
+#define FOUR(name) name##_baseline
+#include "pmj02_four.h"
+#if ASC_HAS_LEVELS
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v3")
+#define FOUR(name) name##_v3
+#include "pmj02_four.h"
+#pragma GCC pop_options
+#endif
 
-/* The bits of the nodes that share `prefix`: a mixer of two multiplications, like those of MurmurHash3 and of Wellons
- * 2018, "Prospecting for hash functions", but that the first multiplier is random: with both fixed, bits of
- * neighbouring nodes were seen to depend on each other (by 0.4 %). */
-static inline uint32_t draw(asc_key key, uint32_t prefix) {
-  uint32_t x = prefix ^ key.word[0];
-  x ^= x >> 16;
-  x *= key.word[1] | 1u;
-  x ^= x >> 15;
-  x *= 0x846ca68bu;
-  return x ^ (x >> 16);
-}
-
-/* Which digits of a number turn, the leading one in the highest bit; `digits` is the number reversed, so that the
- * digits before the p-th are its lowest p - 1 bits. */
-static inline uint32_t turned_digits(asc_key key, uint32_t digits) {
-  uint32_t turned = 0;
-  for (uint32_t p = 0; p < BITS; p++) turned |= draw(key, digits & ((1u << p) - 1u)) & (0x80000000u >> p);
-  return turned;
-}
-
-/* Pascal's matrix mod 2 times the digits of an index: digit k is the sum of those digits m of which k is a subset, as
- * bits (Lucas). Its reverse is Sobol's second dimension. */
-static inline uint32_t times_pascal(uint32_t x) {
-  x ^= (x >> 1) & 0x55555555u;
-  x ^= (x >> 2) & 0x33333333u;
-  x ^= (x >> 4) & 0x0f0f0f0fu;
-  x ^= (x >> 8) & 0x00ff00ffu;
-  return x ^ ((x >> 16) & 0x0000ffffu);
-}
-
-/* One point. */
-ASC_VECTORISE
-static void make_point(const pair_keys *keys, uint32_t index, uint32_t digits[2]) {
-  const uint32_t turned = turned_digits(keys->order, asc_reverse_bits(index)) ^ draw(keys->order, 0);
-  const uint32_t place = index ^ turned, pascal = times_pascal(place);
-  digits[0] = asc_reverse_bits(place) ^ turned_digits(keys->coordinate[0], place);
-  digits[1] = asc_reverse_bits(pascal) ^ turned_digits(keys->coordinate[1], pascal);
-}
-
-/* Many points: the coordinates of the first 2^bits places are in a table, and a run of indices shares all but its
- * lowest digits. */
-typedef struct coordinate_table {
-  uint32_t bits, digits[1u << MOST_TABLE_BITS];
-} coordinate_table;
-
-/* Each place's coordinate from that in whose stratum it must lie: the digits before its own are those of the place
- * without its highest bit, but for the last, and its own are drawn. */
-ASC_VECTORISE
-static void make_table(asc_key key, coordinate_table *table) {
-  table->digits[0] = draw(key, 0);
-  for (uint32_t m = 0; m < table->bits; m++) {
-    const uint32_t count = 1u << m, last = 0x80000000u >> m, own = last - 1u;
-    const uint32_t *restrict before = table->digits;
-    uint32_t *restrict next = table->digits + count;
-    for (uint32_t i = 0; i < count; i++) next[i] = ((before[i] & ~own) ^ last) | (draw(key, count + i) & own);
+/* Both pairs of a quad of one sample. */
+ASC_INLINE void make_point(asc_key key, uint32_t quad, uint32_t index, double values[QUAD]) {
+#if ASC_HAS_LEVELS
+  if (ASC_TAKES_V3) {
+    point_v3(key, quad, index, values);
+    return;
   }
+#endif
+  point_baseline(key, quad, index, values);
 }
 
-/* The places of the indices begin + i 2^shift, whose digits before bit shift + 4 are in `shared` already, and of which
- * the next four are to be known. */
-static inline void make_places(asc_key key, uint32_t begin, uint32_t shift, uint32_t shared,
-                               uint32_t places[ASC_LANES]) {
-  static const uint32_t reversed[ASC_LANES] = {0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15};
-  const uint32_t above = asc_reverse_bits(begin), four = 15u << shift, common = shared ^ (draw(key, 0) & four);
-  uint32_t turned[ASC_LANES] = {0};
-  for (uint32_t p = BITS - 4 - shift, end = p + 4; p < end; p++)
-    for (uint32_t i = 0; i < ASC_LANES; i++)
-      turned[i] |= draw(key, (above | reversed[i] << (BITS - 4 - shift)) & ((1u << p) - 1u)) & (0x80000000u >> p);
-  for (uint32_t i = 0; i < ASC_LANES; i++) places[i] = common ^ i << shift ^ turned[i];
-}
-
-/* The coordinates of the places `begin` ... `begin` + 15, or of 16 products with Pascal's matrix. From the highest bit
- * to the table's, each bit that is set draws the digits after it. */
-static inline void make_coordinates(asc_key key, const coordinate_table *table, uint32_t begin,
-                                    double values[ASC_LANES]) {
-  const uint32_t below = (1u << table->bits) - 1u;
-  const uint32_t *known = table->digits + (begin & below);
-  uint32_t digits[ASC_LANES] = {0}, open = UINT32_MAX, last = 0;
-  for (uint32_t rest = begin & ~below; rest;) {
-    const uint32_t m = BITS - 1 - (uint32_t)__builtin_clz(rest);
-    const uint32_t own = (0x80000000u >> m) - 1u, prefix = begin & ((2u << m) - 1u);
-    for (uint32_t i = 0; i < ASC_LANES; i++) digits[i] |= draw(key, prefix + i) & open & own;
-    last |= 0x80000000u >> m;
-    open = ~own;
-    rest ^= 1u << m;
+static void make_rows(asc_key key, const pair_run *run) {
+#if ASC_HAS_LEVELS
+  if (ASC_TAKES_V3) {
+    rows_v3(key, run);
+    return;
   }
-  for (int i = 0; i < ASC_LANES; i++) values[i] = (double)((digits[i] | (known[i] & open)) ^ last) * 0x1p-32;
+#endif
+  rows_baseline(key, run);
 }
 
-/* A run of points: those coordinates of which there is a table, in the order of places (of products with Pascal's
- * matrix), and where each index finds its own. */
-typedef struct coordinate_run {
-  double values[2][ASC_LANES];
-  uint32_t at[2][ASC_LANES];
-} coordinate_run;
+#define FEW 4 /* samples that are quicker made one by one */
 
-/* What the places of each of the 16 runs from `begin`, a multiple of 256, share. */
-ASC_VECTORISE
-static void make_group(asc_key key, uint32_t begin, uint32_t shared[ASC_LANES]) {
-  const uint32_t turned = turned_digits(key, asc_reverse_bits(begin)) ^ draw(key, 0);
-  make_places(key, begin, 4, (begin ^ turned) & ~255u, shared);
-}
-
-ASC_VECTORISE
-static void make_run(const pair_keys *keys, const coordinate_table *const tables[2], uint32_t begin, uint32_t shared,
-                     coordinate_run *run) {
-  uint32_t places[ASC_LANES];
-  make_places(keys->order, begin, 0, shared, places);
-  const uint32_t lowest = ASC_LANES - 1, pascal = times_pascal(shared);
-  for (uint32_t i = 0; i < ASC_LANES; i++) {
-    run->at[0][i] = places[i] & lowest;
-    run->at[1][i] = times_pascal(run->at[0][i]) ^ (pascal & lowest); /* the product is linear */
-  }
-  if (tables[0]) make_coordinates(keys->coordinate[0], tables[0], shared, run->values[0]);
-  if (tables[1]) make_coordinates(keys->coordinate[1], tables[1], pascal & ~lowest, run->values[1]);
-}
-
-static void fill_one_by_one(const asc_range *range, const pair_keys *keys, uint32_t pair, double *points) {
-  const uint32_t begin = range->first_dimension, end = begin + range->dimension_count;
-  for (size_t i = 0; i < range->sample_count; i++) {
-    uint32_t digits[2];
-    make_point(keys, (uint32_t)(range->first_sample + i), digits);
-    for (uint32_t half = 0; half < 2; half++) {
-      const uint32_t dimension = 2 * pair + half;
-      if (dimension >= begin && dimension < end)
-        points[i * range->dimension_count + (dimension - begin)] = digits[half] * 0x1p-32;
+ASC_APART void fill_range(const asc_range *range, asc_key key, double *points) {
+  const uint32_t begin = range->first_dimension, stride = range->dimension_count, end = begin + stride;
+  const uint32_t first = (uint32_t)range->first_sample, last = (uint32_t)(first + range->sample_count - 1);
+  if (range->sample_count > FEW) {
+    for (uint32_t pair = begin / 2; 2 * pair < end; pair++) {
+      const uint32_t from = 2 * pair < begin ? 1 : 0, to = end - 2 * pair < 2 ? 1 : 2;
+      make_rows(key, &(pair_run){pair, from, to, first, last, points + (2 * pair + from - begin), stride});
     }
+    return;
   }
-}
-
-static void fill_in_runs(const asc_range *range, const pair_keys *keys, uint32_t pair, double *points) {
-  const uint32_t begin = range->first_dimension, end = begin + range->dimension_count;
-  coordinate_table space[2];
-  const coordinate_table *tables[2] = {NULL, NULL};
-  for (uint32_t half = 0; half < 2; half++) {
-    const uint32_t dimension = 2 * pair + half;
-    if (dimension < begin || dimension >= end) continue;
-    uint32_t bits = 4;
-    while (bits < MOST_TABLE_BITS && range->sample_count >> (bits + 1)) bits++;
-    space[half].bits = bits;
-    make_table(keys->coordinate[half], &space[half]);
-    tables[half] = &space[half];
-  }
-  uint32_t shared[ASC_LANES];
-  for (uint64_t first = asc_first_run(range); first < range->first_sample + range->sample_count; first += ASC_LANES) {
-    const asc_run part = asc_run_at(range, first);
-    const uint32_t which = (uint32_t)(first / ASC_LANES) % ASC_LANES;
-    if (which == 0 || part.row == 0) make_group(keys->order, (uint32_t)first & ~255u, shared);
-    coordinate_run run;
-    make_run(keys, tables, (uint32_t)first, shared[which], &run);
-    for (uint32_t half = 0; half < 2; half++) {
-      const uint32_t dimension = 2 * pair + half;
-      if (!tables[half]) continue;
-      double *column = points + part.row * range->dimension_count + (dimension - begin);
-      for (uint32_t i = part.from; i < part.to; i++)
-        column[(size_t)(i - part.from) * range->dimension_count] = run.values[half][run.at[half][i]];
+  for (uint32_t i = 0; i < range->sample_count; i++)
+    for (uint32_t q = begin / QUAD; q * QUAD < end; q++) {
+      double values[QUAD];
+      make_point(key, q, first + i, values);
+      for (uint32_t d = 0; d < QUAD; d++)
+        if (q * QUAD + d >= begin && q * QUAD + d < end) *points++ = values[d];
     }
-  }
 }
 
 static asc_status pmj02_fill(const void *opaque, const asc_range *range, double *points) {
   const pmj02_state *state = opaque;
-  const uint32_t last = (range->first_dimension + range->dimension_count - 1) / 2;
-  for (uint32_t pair = range->first_dimension / 2; pair <= last; pair++) {
-    const pair_keys keys = keys_of(state->seed, range, pair);
-    (range->sample_count < 4 ? fill_one_by_one : fill_in_runs)(range, &keys, pair, points);
+  const asc_key key = asc_pixel_key(state->seed_mix, range->pixel_x, range->pixel_y);
+  const uint32_t from = range->first_dimension % QUAD, count = range->dimension_count;
+  if (range->sample_count != 1 || from + count > QUAD) {
+    fill_range(range, key, points);
+    return ASC_OK;
   }
+  double values[QUAD];
+  make_point(key, range->first_dimension / QUAD, (uint32_t)range->first_sample, values);
+  asc_copy_few(values + from, count, points);
   return ASC_OK;
 }
 

@@ -91,11 +91,10 @@ double asc_radical_inverse_shifted(const asc_radix *radix, uint64_t index, asc_d
 double asc_binary_shifted(double x, asc_digit_key key) { return to_unit(((uint64_t)(x * 0x1p53) << 11) ^ key.word[0]); }
 
 /* In base 2 by the hash of owen.h in two steps of 32 bits: the lower are scrambled by a key that is hashed from the
- * upper ones. The random bits XOR-ed last make each value exactly uniform. Bits are given leading one lowest. */
+ * upper ones. Bits are given leading one lowest. */
 static double nested_binary(uint32_t upper, uint32_t lower, asc_digit_key key) {
-  const uint64_t below = asc_mix64(key.word[1] + upper * ASC_GOLDEN);
-  const uint32_t high = asc_owen_hash(upper, (uint32_t)key.word[0]) ^ (uint32_t)(key.word[0] >> 32);
-  const uint32_t low = asc_owen_hash(lower, (uint32_t)below) ^ (uint32_t)(below >> 32);
+  const uint32_t high = asc_owen_hash(upper, key.word[0]);
+  const uint32_t low = asc_owen_hash(lower, asc_mix64(key.word[1] + upper * ASC_GOLDEN));
   return to_unit(((uint64_t)high << 32) | low);
 }
 

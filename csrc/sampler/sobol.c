@@ -4,8 +4,9 @@
  * projections" (new-joe-kuo-6). scramble:
  *   shift   each dimension of each pixel moved modulo 1 (Cranley and Patterson 1976)
  *   digit   a random digital shift: the same 32 random bits XOR-ed to all points of a dimension and pixel
- *   owen    nested uniform scrambling (Owen 1995) by the hash of owen.h. Any such hash keeps nets nets; the tests hold
- *           that.
+ *   owen    nested uniform scrambling (Owen 1995) by the hash of owen.h, which says how uniform it is: all 128 ways of
+ *           flipping the first three digits equally often, in each dimension. Any such hash keeps nets nets; the tests
+ *           hold that.
  * Values have 32 bits: they are multiples of 2^-32 (but for shift). */
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +15,9 @@
 #include "pattern.h"
 #include "sobol_directions.h"
 #include "tile.h"
+#if ASC_HAS_LEVELS
+#include <immintrin.h>
+#endif
 
 #define BITS 32
 #define BYTES 4
@@ -87,7 +91,7 @@ static asc_status sobol_create(const asc_sampler_config *config, asc_sampler_sta
   return ASC_OK;
 }
 
-/* The random bits of the four dimensions of a quad, for digit and owen. */
+/* The random bits of the four dimensions of a quad, for digit. */
 ASC_INLINE void draw_bits(asc_key key, uint32_t quad_index, uint32_t bits[QUAD]) {
   for (uint32_t d = 0; d < QUAD; d += 2) {
     const uint64_t drawn = asc_draw(key, (quad_index * QUAD + d) / 2, ASC_PURPOSE_SCRAMBLE);
@@ -95,58 +99,67 @@ ASC_INLINE void draw_bits(asc_key key, uint32_t quad_index, uint32_t bits[QUAD])
     bits[d + 1] = (uint32_t)(drawn >> 32);
   }
 }
-
 /* The XOR of the directions of an index's bits. */
 ASC_INLINE void add_directions(const quad *of, uint32_t index, uint32_t bits[QUAD]) {
   for (uint32_t k = 0; k < BYTES; k++)
     for (uint32_t d = 0; d < QUAD; d++) bits[d] ^= of->byte[k][(index >> (8 * k)) & 255u][d];
 }
 
-/* A word to [0, 1): as the fraction of a number in [1, 2), less 1; quicker than the conversion, and as exact. */
-ASC_INLINE double to_unit(uint32_t bits) {
-  const uint64_t pattern = 0x3ff0000000000000u | ((uint64_t)bits << 20);
-  double x;
-  memcpy(&x, &pattern, sizeof x);
-  return x - 1.0;
-}
+/* --- owen, four values at a time
+ * ------------------------------------------------------------------------------------------------------
+ */
 
-/* All four dimensions of one point. */
+/* A part of the columns of one quad: the columns [begin, begin + width), width 1, 2 or 4, of the samples [first, last].
+ */
+typedef struct owen_run {
+  const quad *of;
+  uint32_t quad_index, begin, width, first, last;
+  double *points;
+  size_t stride;
+} owen_run;
+
+#define FOUR(name) name##_baseline
+#include "sobol_owen.h"
+#if ASC_HAS_LEVELS
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v3")
+#define FOUR(name) name##_v3
+#include "sobol_owen.h"
+#pragma GCC pop_options
+#endif
+
+/* --- one point ------------------------------------------------------------------------------------------------------
+ */
+
+/* All four dimensions of one point, not scrambled by owen. */
 ASC_VECTORISE
-static void make_point(const quad *of, uint32_t quad_index, uint32_t index, int scramble, asc_key key,
-                       double values[QUAD]) {
-  uint32_t bits[QUAD] = {0}, random[QUAD];
+static void make_plain_point(const quad *of, uint32_t quad_index, uint32_t index, int scramble, asc_key key,
+                             double values[QUAD]) {
+  uint32_t bits[QUAD] = {0}, random[QUAD] = {0};
   add_directions(of, index, bits);
-  if (scramble == SCRAMBLE_OWEN) {
-    draw_bits(key, quad_index, random);
-    for (uint32_t d = 0; d < QUAD; d++) values[d] = to_unit(asc_owen_hash(bits[d], random[d]));
-  } else if (scramble == SCRAMBLE_DIGIT) {
-    draw_bits(key, quad_index, random);
-    for (uint32_t d = 0; d < QUAD; d++) values[d] = to_unit(bits[d] ^ random[d]);
-  } else {
-    for (uint32_t d = 0; d < QUAD; d++) values[d] = to_unit(bits[d]);
-    if (scramble == SCRAMBLE_SHIFT)
-      for (uint32_t d = 0; d < QUAD; d++) values[d] = asc_rotate(values[d], asc_rotation(key, quad_index * QUAD + d));
-  }
+  if (scramble == SCRAMBLE_DIGIT) draw_bits(key, quad_index, random);
+  for (uint32_t d = 0; d < QUAD; d++) values[d] = asc_unit_of_bits(bits[d] ^ random[d]);
+  if (scramble == SCRAMBLE_SHIFT)
+    for (uint32_t d = 0; d < QUAD; d++) values[d] = asc_rotate(values[d], asc_rotation(key, quad_index * QUAD + d));
 }
 
-ASC_INLINE void xor_column(const uint32_t low[ASC_LANES], uint32_t high, uint32_t x[ASC_LANES]) {
-  ASC_LANES_LOOP
-  for (int i = 0; i < ASC_LANES; i++) x[i] = high ^ low[i];
+ASC_INLINE void make_point(const quad *of, uint32_t quad_index, uint32_t index, int scramble, asc_key key,
+                           double values[QUAD]) {
+  if (scramble != SCRAMBLE_OWEN) make_plain_point(of, quad_index, index, scramble, key, values);
+#if ASC_HAS_LEVELS
+  else if (ASC_TAKES_V3)
+    owen_point_v3(of, quad_index, index, key, values);
+#endif
+  else
+    owen_point_baseline(of, quad_index, index, key, values);
 }
 
-ASC_INLINE void owen_column(int step, uint32_t seed, uint32_t x[ASC_LANES]) {
-  ASC_LANES_LOOP
-  for (int i = 0; i < ASC_LANES; i++) x[i] = asc_owen_step(step, x[i], seed);
-}
-
-ASC_INLINE void reversed_column(const uint32_t x[ASC_LANES], double values[ASC_LANES]) {
-  ASC_LANES_LOOP
-  for (int i = 0; i < ASC_LANES; i++) values[i] = to_unit(asc_reverse_bits(x[i]));
-}
+/* --- many at a time -------------------------------------------------------------------------------------------------
+ */
 
 ASC_INLINE void plain_column(const uint32_t low[ASC_LANES], uint32_t high, double values[ASC_LANES]) {
   ASC_LANES_LOOP
-  for (int i = 0; i < ASC_LANES; i++) values[i] = to_unit(high ^ low[i]);
+  for (int i = 0; i < ASC_LANES; i++) values[i] = asc_unit_of_bits(high ^ low[i]);
 }
 
 ASC_INLINE void rotate_column(double shift, double values[ASC_LANES]) {
@@ -154,33 +167,19 @@ ASC_INLINE void rotate_column(double shift, double values[ASC_LANES]) {
   for (int i = 0; i < ASC_LANES; i++) values[i] = asc_rotate(values[i], shift);
 }
 
-/* A value's steps wait for each other, so all columns go through one before the next. */
-ASC_INLINE void owen_columns(const quad *of, const uint32_t high[QUAD], const uint32_t seeds[QUAD], uint32_t begin,
-                             uint32_t end, asc_tile *tile) {
-  uint32_t x[QUAD][ASC_LANES];
-  for (uint32_t d = begin; d < end; d++) xor_column(of->low[d], high[d], x[d]);
-#pragma GCC unroll 4
-  for (int step = 0; step < ASC_OWEN_STEPS; step++)
-    for (uint32_t d = begin; d < end; d++) owen_column(step, seeds[d], x[d]);
-  for (uint32_t d = begin; d < end; d++) reversed_column(x[d], tile->column[d]);
-}
-
-/* The columns [begin, end) of one quad of the samples [first, last]. */
+/* The columns [begin, end) of one quad of the samples [first, last], not scrambled by owen. */
 ASC_VECTORISE
 static void make_columns(const quad *of, uint32_t quad_index, int scramble, asc_key key, uint32_t begin, uint32_t end,
                          uint32_t first, uint32_t last, double *points, size_t stride) {
   uint32_t random[QUAD] = {0};
   double shift[QUAD];
-  if (scramble == SCRAMBLE_DIGIT || scramble == SCRAMBLE_OWEN) draw_bits(key, quad_index, random);
+  if (scramble == SCRAMBLE_DIGIT) draw_bits(key, quad_index, random);
   for (uint32_t d = 0; d < QUAD; d++) shift[d] = asc_rotation(key, quad_index * QUAD + d);
   for (uint32_t block = first / ASC_LANES; block <= last / ASC_LANES; block++) {
     asc_tile tile;
     uint32_t high[QUAD] = {0};
     add_directions(of, block * ASC_LANES, high);
-    if (scramble == SCRAMBLE_OWEN)
-      owen_columns(of, high, random, begin, end, &tile);
-    else
-      for (uint32_t d = begin; d < end; d++) plain_column(of->low[d], high[d] ^ random[d], tile.column[d]);
+    for (uint32_t d = begin; d < end; d++) plain_column(of->low[d], high[d] ^ random[d], tile.column[d]);
     for (uint32_t d = begin; d < end && scramble == SCRAMBLE_SHIFT; d++) rotate_column(shift[d], tile.column[d]);
     const uint32_t from = block == first / ASC_LANES ? first % ASC_LANES : 0;
     const uint32_t to = block == last / ASC_LANES ? last % ASC_LANES + 1 : ASC_LANES;
@@ -189,27 +188,74 @@ static void make_columns(const quad *of, uint32_t quad_index, int scramble, asc_
   }
 }
 
-#define FEW 4 /* samples that are quicker made one by one than as part of a block */
+/* The same by owen. */
+static void make_owen_columns(const quad *of, uint32_t quad_index, asc_key key, uint32_t begin, uint32_t end,
+                              uint32_t first, uint32_t last, double *points, size_t stride) {
+  for (uint32_t d = begin, width; d < end; d += width, points += width) {
+    width = end - d == 4 ? 4 : end - d >= 2 ? 2 : 1;
+    const owen_run run = {of, quad_index, d, width, first, last, points, stride};
+#if ASC_HAS_LEVELS
+    if (ASC_TAKES_V3) {
+      owen_rows_v3(&run, key);
+      continue;
+    }
+#endif
+    owen_rows_baseline(&run, key);
+  }
+}
 
-static asc_status sobol_fill(const void *opaque, const asc_range *range, double *points) {
-  const sobol_state *state = opaque;
-  const asc_key key = asc_pixel_key(state->seed_mix, range->pixel_x, range->pixel_y);
-  const uint32_t first = (uint32_t)range->first_sample, stride = range->dimension_count;
+static void fill_many(const sobol_state *state, const asc_range *range, asc_key key, double *points) {
+  const uint32_t first = (uint32_t)range->first_sample, last = (uint32_t)(first + range->sample_count - 1);
   const uint32_t begin = range->first_dimension, end = begin + range->dimension_count;
   for (uint32_t q = begin / QUAD; q * QUAD < end; q++) {
     const uint32_t from = q * QUAD < begin ? begin % QUAD : 0, to = end - q * QUAD < QUAD ? end - q * QUAD : QUAD;
     double *columns = points + (q * QUAD + from - begin);
-    if (range->sample_count > FEW) {
-      make_columns(&state->quads[q], q, state->scramble, key, from, to, first,
-                   (uint32_t)(first + range->sample_count - 1), columns, stride);
-      continue;
-    }
-    for (uint32_t i = 0; i < range->sample_count; i++, columns += stride) {
-      double values[QUAD], *whole = to - from == QUAD ? columns : values;
-      make_point(&state->quads[q], q, first + i, state->scramble, key, whole);
-      if (whole == values) memcpy(columns, values + from, (to - from) * sizeof *values);
-    }
+    if (state->scramble == SCRAMBLE_OWEN)
+      make_owen_columns(&state->quads[q], q, key, from, to, first, last, columns, range->dimension_count);
+    else
+      make_columns(&state->quads[q], q, state->scramble, key, from, to, first, last, columns, range->dimension_count);
   }
+}
+
+/* The dimensions [begin, end) of one point. */
+static void fill_one(const sobol_state *state, uint32_t begin, uint32_t end, uint32_t index, asc_key key,
+                     double *point) {
+  for (uint32_t q = begin / QUAD; q * QUAD < end; q++) {
+    const uint32_t from = q * QUAD < begin ? begin % QUAD : 0, to = end - q * QUAD < QUAD ? end - q * QUAD : QUAD;
+    double values[QUAD];
+    make_point(&state->quads[q], q, index, state->scramble, key, values);
+    for (uint32_t d = from; d < to; d++) *point++ = values[d];
+  }
+}
+
+#define FEW 4 /* samples that are quicker made one by one than as part of a block */
+
+ASC_APART void fill_range(const sobol_state *state, const asc_range *range, asc_key key, double *points) {
+  const uint32_t begin = range->first_dimension, count = range->dimension_count, index = (uint32_t)range->first_sample;
+  if (range->sample_count > FEW) {
+    fill_many(state, range, key, points);
+    return;
+  }
+  for (uint32_t i = 0; i < range->sample_count; i++)
+    fill_one(state, begin, begin + count, index + i, key, points + (size_t)i * count);
+}
+
+static asc_status sobol_fill(const void *opaque, const asc_range *range, double *points) {
+  const sobol_state *state = opaque;
+  const asc_key key = asc_pixel_key(state->seed_mix, range->pixel_x, range->pixel_y);
+  const uint32_t q = range->first_dimension / QUAD, from = range->first_dimension % QUAD;
+  if (range->sample_count != 1 || from + range->dimension_count > QUAD) {
+    fill_range(state, range, key, points);
+    return ASC_OK;
+  }
+  const uint32_t index = (uint32_t)range->first_sample;
+  if (range->dimension_count == QUAD) {
+    make_point(&state->quads[q], q, index, state->scramble, key, points);
+    return ASC_OK;
+  }
+  double values[QUAD];
+  make_point(&state->quads[q], q, index, state->scramble, key, values);
+  asc_copy_few(values + from, range->dimension_count, points);
   return ASC_OK;
 }
 

@@ -14,6 +14,13 @@ typedef struct asc_tile {
   double column[ASC_TILE_COLUMNS][ASC_LANES];
 } asc_tile;
 
+/* Up to four values of one point; the count cannot be seen as that of a memcpy, whose call would take longer. */
+ASC_INLINE void asc_copy_few(const double *values, uint32_t count, double *copied) {
+  if (count >= 2) memcpy(copied, values, 2 * sizeof *values);
+  if (count == 4) memcpy(copied + 2, values + 2, 2 * sizeof *values);
+  if (count % 2) copied[count - 1] = values[count - 1];
+}
+
 /* asc_draw_at of ASC_LANES samples, as two words each. */
 ASC_INLINE void asc_draw_lanes(uint64_t start, uint64_t first, uint32_t high[ASC_LANES], uint32_t low[ASC_LANES]) {
   ASC_LANES_LOOP

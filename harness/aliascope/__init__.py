@@ -1,8 +1,9 @@
 """aliascope: how well renderers antialias, and what that costs.
 
 Everything that the commands do can be had from here, with numpy arrays: `aliascope.points("sobol", 16)`,
-`aliascope.point_statistics(points)`, `aliascope.render("edge", "embree", "uniform:n=16")`,
-`aliascope.error(image, reference)`.
+`aliascope.discrepancy(points, "star").value`, `aliascope.point_statistics(points)`,
+`aliascope.render("edge", "embree", "uniform:n=16")`, `aliascope.error(image, reference)`,
+`aliascope.uneven_weights(samples)`.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from aliascope.api import (
+        discrepancy,
         error,
         estimate,
         integrate,
@@ -20,9 +22,12 @@ if TYPE_CHECKING:
         points,
         reference,
         render,
+        uneven_weights,
+        voronoi_areas,
     )
 
 __all__ = [
+    "discrepancy",
     "error",
     "estimate",
     "integrate",
@@ -32,6 +37,8 @@ __all__ = [
     "points",
     "reference",
     "render",
+    "uneven_weights",
+    "voronoi_areas",
 ]
 
 

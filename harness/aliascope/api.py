@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
 from aliascope import metrics, point_sets, references, renderers, scene_io
-from aliascope.errors import Unsupported
+from aliascope.errors import InvalidInput, Unsupported
 from aliascope.integration import integrate
+from aliascope.native import samplers
+from aliascope.native.discrepancy import Measured, measure
 from aliascope.native.estimate import Estimates, Estimator, Integrand
 from aliascope.native.samplers import points
-from aliascope.point_sets import PointSpectrum, point_statistics
+from aliascope.native.uneven import voronoi_areas
+from aliascope.native.uneven import weights as uneven_weights
+from aliascope.point_sets import PointSpectrum, Refused, point_statistics
+from aliascope.point_sets.arrays import checked
 from aliascope.records import Pixels, Rendering
 from aliascope.references import Reference
 from aliascope.renderers.base import Request, lacks
 from aliascope.scene_io import SceneFile
 
 __all__ = [
+    "discrepancy",
     "error",
     "estimate",
     "integrate",
@@ -28,6 +34,8 @@ __all__ = [
     "points",
     "reference",
     "render",
+    "uneven_weights",
+    "voronoi_areas",
 ]
 
 
@@ -107,3 +115,44 @@ def point_spectrum(points: Any | Iterable[Any], cut_off: int | None = None) -> P
     """
     one = isinstance(points, np.ndarray) and points.ndim == 2
     return point_sets.point_spectrum([points] if one else points, cut_off)
+
+
+@overload
+def discrepancy(points: Any, measures: str, *, n: int | None = None, d: int = 2, seed: int = 0) -> Measured: ...
+
+
+@overload
+def discrepancy(
+    points: Any, measures: Iterable[str] | None = None, *, n: int | None = None, d: int = 2, seed: int = 0
+) -> dict[str, Measured | Refused]: ...
+
+
+def discrepancy(
+    points: Any, measures: str | Iterable[str] | None = None, *, n: int | None = None, d: int = 2, seed: int = 0
+) -> Measured | dict[str, Measured | Refused]:
+    """Measures of points (rows, columns) in [0, 1], or of the first n points in d dimensions of a sampler's spec.
+
+    `measures`: one, as "star" or "edge-mean:edges=chord" (`aliascope list measures`), for its `value` and `details`
+    (certainty; bounds, standard error, where an extreme is met); or several, by canonical spec in a dict; or, if none
+    is named, all that are quick for so many points, of which one that these points do not have is there with the value
+    None and the reason in its details. `seed`: of the sampler, and of measures that draw at random.
+
+    Raises InvalidInput for what are no points; SpecError; Unsupported for a named measure that these points do not
+    have, or a number that the sampler does not.
+
+    >>> discrepancy([[0.5, 0.5]], "star").value
+    0.75
+    >>> discrepancy("hammersley", ["star", "l2-star"], n=16)["star"].value
+    0.171875
+    """
+    if isinstance(points, str):
+        if n is None:
+            raise InvalidInput("n is missing: how many points of the sampler")
+        values = samplers.points(points, n, d, seed)
+    elif n is None:
+        values = checked(points, closed=True)
+    else:
+        raise InvalidInput("n is of a sampler; of an array take the rows")
+    if isinstance(measures, str):
+        return measure(measures, values, seed)
+    return {one.spec: one for one in point_sets.measure_all(values, measures or (), seed)}

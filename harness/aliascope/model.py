@@ -63,8 +63,10 @@ class Camera(Part):
             raise ValueError('an "orthographic" camera has height, and no vertical_fov_degrees')
         if (self.lens_radius is None) != (self.focus_distance is None):
             raise ValueError("lens_radius and focus_distance come together")
-        if self.shutter is not None and not self.shutter[0] <= self.shutter[1]:
-            raise ValueError("shutter must open before it closes: [open, close]")
+        if self.lens_radius is not None and not perspective:
+            raise ValueError('a lens is for a "perspective" camera')
+        if self.shutter is not None and not 0.0 <= self.shutter[0] <= self.shutter[1] <= 1.0:
+            raise ValueError("shutter is [open, close] with 0 <= open <= close <= 1")
         forward = [b - a for a, b in zip(self.eye, self.look_at, strict=True)]
         length = sum(x * x for x in forward) ** 0.5
         if length == 0.0:
@@ -98,27 +100,79 @@ class Checker(Part):
 Pattern = Annotated[ZonePlate | Checker, Field(discriminator="type")]
 
 
+class Phong(Part):
+    """The lobe (exponent + 1) / (2 pi) cos^exponent about the mirror direction, over the solid angle."""
+
+    type: Literal["phong"]
+    exponent: Annotated[float, Field(strict=True, ge=1.0, le=1e6)]
+
+
+class Ggx(Part):
+    """Microfacets of the distribution GGX, `roughness` its alpha, seen with Smith's masking; no Fresnel term."""
+
+    type: Literal["ggx"]
+    roughness: Annotated[float, Field(strict=True, ge=1e-3, le=1.0)]
+
+
+Lobe = Annotated[Phong | Ggx, Field(discriminator="type")]
+
+
 class Material(Part):
-    """The colour of the pattern, where there is one, multiplies emission and albedo."""
+    """The colour of the pattern, where there is one, multiplies emission and albedo.
+
+    `reflection` is the share of light that is mirrored: in a perfect mirror, or spread by the lobe `gloss`.
+    """
 
     albedo: tuple[Share, Share, Share] = BLACK
     emission: Colour = BLACK
     pattern: Pattern | None = None
+    reflection: tuple[Share, Share, Share] = BLACK
+    gloss: Lobe | None = None
+
+    @model_validator(mode="after")
+    def _energy(self) -> Material:
+        colours = zip(*self.pattern.colours, strict=True) if self.pattern else ((1.0,),) * 3
+        channels = zip(self.albedo, colours, self.reflection, strict=True)
+        if any(albedo * max(1e-300, *colour) + mirrored > 1.0 for albedo, colour, mirrored in channels):
+            raise ValueError("albedo (times the pattern) and reflection together are at most 1")
+        if self.gloss is not None and self.reflection == BLACK:
+            raise ValueError("gloss spreads a reflection, and there is none")
+        return self
 
 
 class Translate(Part):
+    """By so much in a unit of time."""
+
     type: Literal["translate"]
     by: Vector
 
 
 class Rotate(Part):
+    """Right-handed about the axis, `degrees` in a unit of time."""
+
     type: Literal["rotate"]
     axis: Vector
     centre: Vector = (0.0, 0.0, 0.0)
     degrees: Coordinate
 
+    @model_validator(mode="after")
+    def _axis(self) -> Rotate:
+        if not any(self.axis):
+            raise ValueError("axis must not be zero")
+        return self
 
-Motion = Annotated[Translate | Rotate, Field(discriminator="type")]
+
+class Frames(Part):
+    """A mesh that changes shape: from its own file at time 0 through these, as far apart in time each, to the last at
+    time 1; its corners move along straight lines between them."""
+
+    type: Literal["frames"]
+    files: Annotated[
+        tuple[Annotated[str, Field(min_length=1, max_length=255)], ...], Field(min_length=1, max_length=128)
+    ]
+
+
+Motion = Annotated[Translate | Rotate | Frames, Field(discriminator="type")]
 
 
 class Surface(Part):
@@ -147,6 +201,8 @@ class LoadedMesh(Surface):
     type: Literal["mesh"] = "mesh"
     sha256: str
     triangles: Annotated[NDArray[np.float64], Field(exclude=True)]
+    frames: Annotated[NDArray[np.float64] | None, Field(exclude=True)] = None
+    """(frames, n, 3, 3), where the motion is of frames: those after the first, which is `triangles`."""
 
 
 class Sphere(Surface):
@@ -209,16 +265,35 @@ class DirectionalLight(Light):
 
 
 class AreaLight(Light):
+    """A parallelogram. It shines to the side of edges[0] x edges[1] where it falls off, else to both."""
+
     type: Literal["area"]
     corner: Vector
     edges: tuple[Vector, Vector]
 
+    @model_validator(mode="after")
+    def _area(self) -> AreaLight:
+        (ax, ay, az), (bx, by, bz) = self.edges
+        cross = (ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
+        across = (ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz)
+        if sum(x * x for x in cross) <= 1e-24 * across:
+            raise ValueError("edges must span an area: neither zero nor parallel")
+        return self
+
 
 class DiscLight(Light):
+    """It shines to the side of its normal where it falls off, else to both."""
+
     type: Literal["disc"]
     centre: Vector
     normal: Vector
     radius: Positive
+
+    @model_validator(mode="after")
+    def _normal(self) -> DiscLight:
+        if not any(self.normal):
+            raise ValueError("normal must not be zero")
+        return self
 
 
 class SphereLight(Light):
@@ -230,6 +305,25 @@ class SphereLight(Light):
 AnyLight = Annotated[PointLight | DirectionalLight | AreaLight | DiscLight | SphereLight, Field(discriminator="type")]
 
 
+class Transport(Part):
+    """How far light is followed. `diffuse_bounces`: over so many diffuse surfaces between a light and the one that is
+    seen; 0: from lights alone. `mirror_bounces`: of a path in mirrors, glossy ones too; past them there is no light."""
+
+    diffuse_bounces: Annotated[int, Field(strict=True, ge=0, le=64)] = 0
+    mirror_bounces: Annotated[int, Field(strict=True, ge=1, le=64)] = 8
+
+
+class Needs(Part):
+    """What a picture of a scene is an integral over, beside the pixel: read off what the scene contains."""
+
+    lens: bool
+    shutter: bool
+    area_lights: int
+    mirror: bool
+    gloss: bool
+    diffuse_bounces: int
+
+
 class Scene(Part):
     title: str
     shows: str
@@ -239,6 +333,7 @@ class Scene(Part):
     surfaces: Annotated[tuple[AnySurface, ...], Field(max_length=1_000_000)] = ()
     """Of these, each `Mesh` becomes a `LoadedMesh` when the file is read; nothing else is given one."""
     lights: tuple[AnyLight, ...] = ()
+    transport: Transport = Transport()
 
     def with_meshes(self, loaded: Mapping[int, LoadedMesh]) -> Scene:
         """The scene with the surfaces of these numbers replaced."""
@@ -247,11 +342,13 @@ class Scene(Part):
 
     def features(self) -> frozenset[str]:
         """What the scene asks of a renderer, read off its contents: "disc", "zone-plate", "lens", "point light"..."""
+        needs = self.needs()
         found: set[str] = {self.camera.type}
-        if self.camera.lens_radius:
-            found.add("lens")
-        if any(surface.motion for surface in self.surfaces):
-            found.add("motion")
+        asked = {"lens": needs.lens, "mirror": needs.mirror, "gloss": needs.gloss}
+        # Reading a scene file leaves motion only where a shutter is open (`motion.at`).
+        asked["motion"] = any(surface.motion for surface in self.surfaces)
+        asked["diffuse bounces"] = needs.diffuse_bounces > 0
+        found.update(name for name, there in asked.items() if there)
         for surface in self.surfaces:
             found.add(surface.type)
             pattern = self.materials[surface.material].pattern
@@ -259,6 +356,23 @@ class Scene(Part):
                 found.add(pattern.type)
         found.update(f"{light.type} light" for light in self.lights)
         return frozenset(found)
+
+    def needs(self) -> Needs:
+        """A lens of radius 0, a shutter that nothing moves under, a material that no surface has: none of them is
+        needed."""
+        shutter = self.camera.shutter
+        used = {surface.material for surface in self.surfaces}
+        mirrors = [each for name, each in self.materials.items() if name in used and any(each.reflection)]
+        return Needs(
+            lens=bool(self.camera.lens_radius),
+            shutter=shutter is not None
+            and shutter[0] < shutter[1]
+            and any(surface.motion for surface in self.surfaces),
+            area_lights=sum(isinstance(light, AreaLight | DiscLight | SphereLight) for light in self.lights),
+            mirror=any(each.gloss is None for each in mirrors),
+            gloss=any(each.gloss is not None for each in mirrors),
+            diffuse_bounces=self.transport.diffuse_bounces,
+        )
 
     def digest(self) -> str:
         """SHA-256, in hexadecimal, of what a picture of the scene depends on: not of its words, and a default that is

@@ -4,21 +4,15 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import multiprocessing
 import re
 import shlex
-import signal
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import TimeoutError as FutureTimeout
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from pebble import ProcessExpired, ProcessFuture, ProcessPool
-
 from aliascope import image, metrics, places, plan, renderers
-from aliascope.errors import AliascopeError, InvalidInput, JobFailed, NotAvailable
+from aliascope.errors import AliascopeError, InvalidInput, NotAvailable
 from aliascope.native import samplers
 from aliascope.native.samplers import Plugin
 from aliascope.records import EmptyCell, Job, Outcome, Pixels, Rendering
@@ -26,18 +20,13 @@ from aliascope.renderers.base import LEAST_SECONDS, Renderer, Request, filter_of
 from aliascope.scene_io import SceneFile
 from aliascope.specs import Spec
 from aliascope.store import Store
-
-
-def patience(time_limit: float) -> float:
-    """Seconds after which a job's process is ended from outside: renderers should have given up by themselves."""
-    return time_limit + min(20.0, max(2.0, time_limit / 2.0))
-
+from aliascope.workers import Workers
 
 References = Mapping[tuple[str, str], Pixels]
 """The pictures that others are judged by, by scene and filter."""
 
-Progress = Callable[[Job | None, int, int], None]
-"""Told of the job that begins (None at the end), how many are done, and how many there are to do."""
+Progress = Callable[[Job | str | None, int, int], None]
+"""Told of the job or other work that begins (None at the end), how many are done, and how many there are to do."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +49,8 @@ class Plan:
     versions: Mapping[str, str]
     plugins: Mapping[str, str] = field(default_factory=dict)
     """Of the modes' samplers: path and hash by "plugin NAME"."""
+    about: str = ""
+    """What was chosen, for the title of a report: "quick profile, chosen scenes"."""
 
 
 # --- plan -------------------------------------------------------------------------------------------------------------
@@ -227,43 +218,6 @@ def render_job(file: SceneFile, job: Job, options: Options) -> Timed:
     return Timed(rendering, time.perf_counter() - begun)
 
 
-def _begin_worker(plugins: list[str]) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
-    for plugin in plugins:
-        samplers.load_plugin(plugin)
-
-
-@contextmanager
-def _pool(processes: int) -> Iterator[ProcessPool]:
-    """Workers that a crash or a time limit of one job leaves standing; started afresh, not forked, since the parent has
-    threads."""
-    pool = ProcessPool(
-        max_workers=processes,
-        context=multiprocessing.get_context("spawn"),
-        initializer=_begin_worker,
-        initargs=([plugin.path for plugin in samplers.plugins()],),
-    )
-    try:
-        yield pool
-        pool.close()
-    except BaseException:
-        pool.stop()
-        raise
-    finally:
-        pool.join()
-
-
-def _result(future: ProcessFuture[Timed], options: Options) -> Timed:
-    try:
-        return future.result()
-    except FutureTimeout as error:
-        raise JobFailed(f"gave no picture within {patience(options.time_limit):g} s and was ended") from error
-    except ProcessExpired as error:
-        code = error.exitcode or 0
-        how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
-        raise JobFailed(f"the process that rendered it ended {how}") from error
-
-
 def image_path(job: Job) -> str:
     """Where a job's picture lies in the output folder."""
     mode = job.mode.translate(str.maketrans(":,=/", "_,=_"))
@@ -363,8 +317,10 @@ def execute(
     references: References,
     options: Options,
     progress: Progress,
+    workers: Workers,
 ) -> tuple[dict[str, Outcome], int]:
-    """Renders what the store does not have. Returns the outcomes by key, and how many of them were there already.
+    """Has the workers render what the store does not have. Returns the outcomes by key, and how many of them were there
+    already.
 
     What was timed beside more jobs than run side by side now does not count: its time is not comparable.
     """
@@ -383,16 +339,14 @@ def execute(
     todo = [job for job in plan.jobs if job.key not in outcomes]
     if not todo:
         return outcomes, reused
-    with _pool(options.processes) as pool:
-        waiting: list[tuple[Job, ProcessFuture[Timed], float]] = []
-        limit = patience(options.time_limit)
-        for job in [*todo, *[None] * options.processes]:
-            if job is not None:
-                progress(job, len(outcomes) - reused, len(todo))
-                future = pool.schedule(render_job, args=[plan.files[job.scene], job, options], timeout=limit)
-                waiting.append((job, future, time.perf_counter()))
-            if waiting and (job is None or len(waiting) >= options.processes):
-                oldest, future, submitted = waiting.pop(0)
-                outcomes[oldest.key] = keeper.keep(oldest, functools.partial(_result, future, options), submitted)
-        progress(None, len(todo), len(todo))
+    waiting: list[tuple[Job, Callable[[], Timed], float]] = []
+    for job in [*todo, *[None] * options.processes]:
+        if job is not None:
+            progress(job, len(outcomes) - reused, len(todo))
+            result = workers.begin(render_job, [plan.files[job.scene], job, options], options.time_limit)
+            waiting.append((job, result, time.perf_counter()))
+        if waiting and (job is None or len(waiting) >= options.processes):
+            oldest, result, submitted = waiting.pop(0)
+            outcomes[oldest.key] = keeper.keep(oldest, result, submitted)
+    progress(None, len(todo), len(todo))
     return outcomes, reused

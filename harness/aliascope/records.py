@@ -149,6 +149,30 @@ class SceneSection:
 
 
 @dataclass(frozen=True)
+class Probe:
+    """The conventions of a renderer, measured in a mode: how far right and down of where it is an edge is found, in
+    pixels; output = gain * input^gamma, fitted; the largest difference of output from input. Without figures, `reason`
+    says why there are none."""
+
+    renderer: str
+    mode: str
+    holds: bool
+    centre: tuple[float, float] | None = None
+    gain: float | None = None
+    gamma: float | None = None
+    deviation: float | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class ProbeLimits:
+    """What a renderer is held to: an edge lies within so many pixels of its place, output within so much of input."""
+
+    centre: float
+    response: float
+
+
+@dataclass(frozen=True)
 class Failure:
     """A job that failed, and the command that does it again alone."""
 
@@ -179,3 +203,6 @@ class ReportData:
     """Renderers that are not there, and why."""
     undrawn: tuple[EmptyCell, ...] = ()
     """The empty cells of scenes that have no section of their own, since nothing drew them."""
+    probes: tuple[Probe, ...] = ()
+    """Of the renderers that took part."""
+    probe_limits: ProbeLimits | None = None

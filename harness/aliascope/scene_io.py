@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
 
+import numpy as np
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from aliascope import meshes, model, places
+from aliascope import meshes, model, motion, places
 from aliascope.errors import InvalidInput, near_misses
-from aliascope.geometry import triangulate
-from aliascope.model import LoadedMesh, Mesh, Part, Polygon, Scene
+from aliascope.geometry import Array, triangulate
+from aliascope.model import Frames, LoadedMesh, Mesh, Part, Polygon, Scene
 
 LARGEST_FILE = 64 << 20
 
@@ -69,7 +70,10 @@ def load_file(path: Path) -> SceneFile:
         more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
         raise InvalidInput(_message(path, lines, details[0]) + more) from error
     _check_surfaces(path, lines, scene)
-    return SceneFile(path.stem, path, scene.with_meshes(_meshes(path, lines, scene)))
+    scene = scene.with_meshes(_meshes(path, lines, scene))
+    if not scene.needs().shutter and any(surface.motion for surface in scene.surfaces):
+        scene = motion.at(scene, scene.camera.shutter[0] if scene.camera.shutter else 0.0)
+    return SceneFile(path.stem, path, scene)
 
 
 def _meshes(path: Path, lines: dict[Path_, int], scene: Scene) -> dict[int, LoadedMesh]:
@@ -77,16 +81,33 @@ def _meshes(path: Path, lines: dict[Path_, int], scene: Scene) -> dict[int, Load
     loaded: dict[int, LoadedMesh] = {}
     for index, surface in enumerate(scene.surfaces):
         if isinstance(surface, Mesh):
-            try:
-                file = meshes.within(path.parent, surface.file)
-                sha256, triangles = meshes.load(file)
-            except InvalidInput as error:
-                line = _line(lines, ("surfaces", index, "file"))
-                raise InvalidInput(f"{path}:{line}: surfaces.file: {error}") from error
+            names = (surface.file, *(surface.motion.files if isinstance(surface.motion, Frames) else ()))
+            read = [_mesh(path, lines, index, name, later > 0) for later, name in enumerate(names)]
+            sha256, triangles = read[0]
+            frames = None
+            for name, (frame_sha256, frame) in zip(names[1:], read[1:], strict=True):
+                if frame.shape != triangles.shape:
+                    line = _line(lines, ("surfaces", index, "motion"))
+                    raise InvalidInput(
+                        f'{path}:{line}: surfaces.motion: "{name}" has {len(frame)} triangles and "{surface.file}" '
+                        f"{len(triangles)}: the frames of a mesh have the same"
+                    )
+                sha256 += frame_sha256
+            if len(read) > 1:
+                frames = np.stack([frame for _, frame in read[1:]])
             loaded[index] = LoadedMesh(
-                material=surface.material, motion=surface.motion, sha256=sha256, triangles=triangles
+                material=surface.material, motion=surface.motion, sha256=sha256, triangles=triangles, frames=frames
             )
     return loaded
+
+
+def _mesh(path: Path, lines: dict[Path_, int], index: int, name: str, frame: bool) -> tuple[str, Array]:
+    key = "motion" if frame else "file"
+    try:
+        return meshes.load(meshes.within(path.parent, name))
+    except InvalidInput as error:
+        line = _line(lines, ("surfaces", index, key))
+        raise InvalidInput(f"{path}:{line}: surfaces.{key}: {error}") from error
 
 
 def _check_surfaces(path: Path, lines: dict[Path_, int], scene: Scene) -> None:
@@ -95,6 +116,17 @@ def _check_surfaces(path: Path, lines: dict[Path_, int], scene: Scene) -> None:
             line = _line(lines, ("surfaces", index, "material"))
             missed = near_misses(surface.material, scene.materials)
             raise InvalidInput(f'{path}:{line}: surfaces.material: unknown material "{surface.material}"{missed}')
+        if isinstance(surface.motion, Frames):
+            line = _line(lines, ("surfaces", index, "motion"))
+            if not isinstance(surface, Mesh):
+                raise InvalidInput(
+                    f'{path}:{line}: surfaces.motion: only a mesh has "frames"; translate or rotate this'
+                )
+            if scene.materials[surface.material].pattern:
+                raise InvalidInput(
+                    f"{path}:{line}: surfaces.motion: a pattern does not ride on a mesh that changes shape; "
+                    "take a material without one"
+                )
         if isinstance(surface, Polygon):
             try:
                 triangulate(surface)
@@ -151,6 +183,7 @@ def _tagged() -> dict[str, type[Part]]:
     for each in classes:
         classes.extend(each.__subclasses__())
     sections: dict[str, type[Part]] = {"view": model.View, "camera": model.Camera, "materials": model.Material}
+    sections["transport"] = model.Transport
     tags = {
         tag: each
         for each in classes
@@ -161,7 +194,7 @@ def _tagged() -> dict[str, type[Part]]:
 
 
 _CLASSES = _tagged()
-_TAGS = frozenset(_CLASSES) - {"view", "camera", "materials"}
+_TAGS = frozenset(_CLASSES) - {"view", "camera", "materials", "transport"}
 
 
 def _fields_at(location: tuple[int | str, ...]) -> list[str]:

@@ -9,11 +9,22 @@ from pathlib import Path
 from types import TracebackType
 
 from aliascope.errors import InvalidInput, NotWritable
-from aliascope.records import Cost, Job, Outcome
+from aliascope.records import Cost, Job, Outcome, Probe
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 
-_SCHEMA = """
+_PROBE = """
+CREATE TABLE probe (
+  key TEXT PRIMARY KEY,             -- hash of all that its figures depend on
+  run INTEGER NOT NULL REFERENCES run (id),
+  renderer TEXT NOT NULL, mode TEXT NOT NULL,
+  right_pixels REAL NOT NULL, down_pixels REAL NOT NULL,
+  gain REAL NOT NULL, gamma REAL NOT NULL, deviation REAL NOT NULL,
+  holds INTEGER NOT NULL
+);
+"""
+
+_SCHEMA = f"""
 CREATE TABLE run (
   id INTEGER PRIMARY KEY,
   started TEXT NOT NULL,            -- UTC, ISO 8601
@@ -45,10 +56,14 @@ CREATE TABLE metric (
   value REAL,                       -- NULL: the metric has none for this picture
   PRIMARY KEY (key, name)
 );
-"""
+{_PROBE}"""
 
-# Jobs that schema 1 kept count as timed alone, the default of -j. They may not have been: it did not note that.
-_FROM_1 = "ALTER TABLE job ADD COLUMN processes INTEGER NOT NULL DEFAULT 1"
+_STEPS = {
+    # Jobs that schema 1 kept count as timed alone, the default of -j. They may not have been: it did not note that.
+    1: "ALTER TABLE job ADD COLUMN processes INTEGER NOT NULL DEFAULT 1",
+    2: _PROBE,
+}
+"""What brings a schema to the next."""
 
 
 class Store:
@@ -74,10 +89,11 @@ class Store:
             with self._database:
                 self._database.executescript(_SCHEMA)
                 self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
-        elif version == 1:
+        elif version in _STEPS:
             with self._database:
-                self._database.execute("BEGIN")  # or the column could be there and the version not
-                self._database.execute(_FROM_1)
+                self._database.execute("BEGIN")  # or a column could be there and the version not
+                for step in range(version, SCHEMA_VERSION):
+                    self._database.execute(_STEPS[step])
                 self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
         elif version != SCHEMA_VERSION:
             raise InvalidInput(
@@ -127,6 +143,28 @@ class Store:
                 )
         except sqlite3.OperationalError as error:
             raise NotWritable(f"results.sqlite: cannot be written: {error}") from error
+
+    def put_probe(self, key: str, probe: Probe) -> None:
+        """Keeps the figures of a probe. One without figures is not kept, so it is tried again."""
+        if probe.centre is None:
+            return
+        row = (key, self._run, probe.renderer, probe.mode, *probe.centre, probe.gain, probe.gamma, probe.deviation)
+        try:
+            with self._database:
+                self._database.execute(
+                    f"INSERT OR REPLACE INTO probe VALUES ({', '.join('?' * 10)})", (*row, probe.holds)
+                )
+        except sqlite3.OperationalError as error:
+            raise NotWritable(f"results.sqlite: cannot be written: {error}") from error
+
+    def probe(self, key: str) -> Probe | None:
+        """The probe that was kept under a key."""
+        columns = "renderer, mode, right_pixels, down_pixels, gain, gamma, deviation, holds"
+        row = self._database.execute(f"SELECT {columns} FROM probe WHERE key = ?", (key,)).fetchone()
+        if row is None:
+            return None
+        renderer, mode, right, down, gain, gamma, deviation, holds = row
+        return Probe(renderer, mode, bool(holds), (right, down), gain, gamma, deviation)
 
     def done(self, keys: Iterable[str]) -> dict[str, Outcome]:
         """The finished outcomes among these keys; failed ones are not among them, so they are tried again."""

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from aliascope import pipeline, references, scene_io
 from aliascope.store import Store
+from aliascope.workers import Workers
 
 JOBS = 300
 
@@ -18,10 +19,14 @@ def main() -> None:
     file = scene_io.load("edge")
     plan = pipeline.make_plan([file], {"embree": ["uniform:n=1"]}, seeds=JOBS)
     pixels = {("edge", "box"): references.make(file.scene, file.scene.view.size).pixels}
-    with tempfile.TemporaryDirectory() as folder, Store(Path(folder) / "results.sqlite") as store:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        Store(Path(folder) / "results.sqlite") as store,
+        Workers(1) as workers,
+    ):
         store.begin_run("", "bench", "", {}, {})
         options = pipeline.Options(least_seconds=0.0)
-        outcomes, _ = pipeline.execute(plan, Path(folder), store, pixels, options, lambda *_: None)
+        outcomes, _ = pipeline.execute(plan, Path(folder), store, pixels, options, lambda *_: None, workers)
     failed = [outcome.message for outcome in outcomes.values() if outcome.status != "done"]
     if failed:
         sys.exit(f"a job failed: {failed[0]}")

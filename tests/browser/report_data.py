@@ -7,7 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from aliascope.records import EmptyCell, Estimate, Failure, MetricInfo, ModeRow, Pixels, ReportData, SceneSection
+from aliascope.records import (
+    EmptyCell,
+    Estimate,
+    Failure,
+    MetricInfo,
+    ModeRow,
+    Pixels,
+    Probe,
+    ProbeLimits,
+    ReportData,
+    SceneSection,
+)
 
 WIDTH, HEIGHT = 40, 30
 MARK = (7, 5)
@@ -98,7 +109,7 @@ def filtered() -> SceneSection:
 def report_data() -> ReportData:
     """Four scenes, three renderers; the third scene has a hostile name, title and sentence, the fourth a filter."""
     return ReportData(
-        title="aliascope compare",
+        title="aliascope compare, quick profile, chosen scenes and modes",
         started="2026-12-01T14:03:22+00:00",
         wall_seconds=221.4,
         pictures=27,
@@ -115,4 +126,11 @@ def report_data() -> ReportData:
         versions={"aliascope": "0.1.0"},
         metrics=METRICS,
         skipped={"cycles": "not installed"},
+        probes=(
+            Probe("cycles", "path", False, reason="not there: not installed"),
+            Probe("povray", "am1:depth=9,jitter=0", False, reason=f"its probe failed: {HOSTILE}"),
+            Probe("osmesa", "accumulate:n=256", False, (0.0312, -0.00004), 1.00123, 0.99871, 0.00123),
+            Probe("embree", "uniform:n=256", True, (-0.0031, 0.00002), 1.0000000231, 1.0000000134, 1.8e-8),
+        ),
+        probe_limits=ProbeLimits(0.01, 1e-4),
     )

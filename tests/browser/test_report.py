@@ -13,8 +13,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from aliascope.records import EmptyCell, Estimate, ReportData, SceneSection
-from aliascope.report import write_report
-from browser.conftest import wait_ready
+from browser.conftest import wait_ready, written
 from browser.report_data import BRIGHT, DARK, HEADLINE, HOSTILE, MARK, NOT_A_NUMBER
 
 Open = Callable[..., Page]
@@ -69,6 +68,55 @@ def test_answers_come_in_the_order_of_the_questions(open_page: Open) -> None:
     failure = page.locator(".failures li").inner_text()
     assert "povray was killed" in failure
     assert "aliascope render edge" in failure
+
+
+def test_the_head_says_what_was_compared(open_page: Open) -> None:
+    page = open_page()
+    assert page.locator("h1").inner_text() == "compare, quick profile, chosen scenes and modes"
+    assert page.title() == "compare, quick profile, chosen scenes and modes · aliascope"
+
+
+def test_probes_come_first_in_what_to_trust_with_what_does_not_hold(open_page: Open) -> None:
+    page = open_page()
+    assert page.locator("#trust h3").first.inner_text() == "Renderers, probed"
+    rows = [
+        [text.split("\n")[0].strip() for text in row.locator("th, td").all_inner_texts()]
+        for row in page.locator(".probes tbody tr, .probes tfoot tr").all()
+    ]
+    assert rows == [
+        ["cycles", "unknown", "not there: not installed"],
+        ["povray", "unknown", f"its probe failed: {HOSTILE}"],
+        ["osmesa", "no", "+0.0312", "0.0000", "1.00123", "0.99871", "1.2\u202f×\u202f10⁻³"],
+        ["embree", "yes", "\u22120.0031", "0.0000", "1.00000", "1.00000", "1.8\u202f×\u202f10⁻⁸"],
+        ["must be", "", "within ±0.01", "1, 1, and below 10⁻⁴"],
+    ]
+    bad = page.locator(".probes tr", has_text="osmesa").locator(".bad").all_inner_texts()
+    assert bad == ["no", "+0.0312", "1.2\u202f×\u202f10⁻³"]
+    assert page.locator(".probes tr", has_text="embree").locator(".bad").count() == 0
+    units = page.locator(".probes thead th").all_inner_texts()
+    assert {"right, pixels", "down, pixels", "gain", "gamma"} <= set(units)
+    # Above all else, since every figure of it hangs on that.
+    assert page.locator("main > *").nth(1).inner_text().startswith("osmesa: its pictures cannot be compared")
+    assert page.locator("main > .notice").count() == 1
+
+
+def test_what_cannot_be_told_from_the_best_is_bold_too(open_page: Open, data: ReportData, tmp_path: Path) -> None:
+    """Two standard errors of a difference, sqrt(3^2 + 4^2) = 5 thousandths, are 10: 9 more is alike, 11 more is not."""
+    scene = data.scenes[0]
+    figures = [Estimate(0.111, 0.004), Estimate(0.100, 0.003), Estimate(0.109, 0.004), Estimate(0.107, None)]
+    rows = tuple(
+        replace(row, metrics={**row.metrics, "rmse": rmse}, cpu_seconds=Estimate(0.25, 0.01 * i))
+        for i, (row, rmse) in enumerate(zip(scene.rows, figures, strict=True))
+    )
+    page = open_page()
+    page.goto(written(tmp_path, replace(data, scenes=(replace(scene, rows=rows),))).as_uri() + "#error=0.12")
+    wait_ready(page)
+    # 7 more with an uncertainty that is not known is not alike: 6 is what the best's alone allows.
+    assert [number(text) for text in visible(page, ".modes td.best:nth-child(2)")] == [0.1, 0.109]
+    assert visible(page, ".modes td.best:nth-child(5)") == []  # all alike
+    assert "what its uncertainty does not tell from it" in page.locator(".scene:not([hidden])").inner_text()
+    # Each renderer's answer takes the same time.
+    assert page.locator(".answer tr.best").count() == 3
 
 
 def test_a_hostile_name_is_text(open_page: Open) -> None:
@@ -292,7 +340,7 @@ def test_the_samples_of_each_pixel_are_a_view_of_a(open_page: Open, data: Report
     counts = np.full(scene.reference.shape[:2], 4, np.uint32)
     counts[10, 20] = 64
     rows = (replace(scene.rows[0], counts=counts), *scene.rows[1:])
-    path = write_report(tmp_path, replace(data, scenes=(replace(scene, rows=rows), *data.scenes[1:])))
+    path = written(tmp_path, replace(data, scenes=(replace(scene, rows=rows), *data.scenes[1:])))
     page = open_page()
     assert page.locator("input[name=view][value=samples-a]").count() == 0  # where no mode is adaptive
     row = scene.rows[0]
@@ -445,7 +493,7 @@ def test_a_time_too_short_to_be_told_is_not_the_best(open_page: Open, data: Repo
     scene = data.scenes[0]
     rows = tuple(replace(r, cpu_seconds=Estimate(0.0, 0.0)) if r.renderer == "povray" else r for r in scene.rows)
     page = open_page()
-    page.goto(write_report(tmp_path, replace(data, scenes=(replace(scene, rows=rows),))).as_uri())
+    page.goto(written(tmp_path, replace(data, scenes=(replace(scene, rows=rows),))).as_uri())
     wait_ready(page)
     table = page.locator(".scene .modes")
     povray = table.locator("tbody tr", has_text="povray").locator("td").all_inner_texts()
@@ -471,7 +519,7 @@ def test_a_figure_has_no_digits_below_its_uncertainty(open_page: Open, data: Rep
         for row in scene.rows
     ]
     page = open_page()
-    path = write_report(tmp_path, replace(data, scenes=(replace(scene, rows=tuple(rows)),)))
+    path = written(tmp_path, replace(data, scenes=(replace(scene, rows=tuple(rows)),)))
     page.goto(path.as_uri() + "#metric=structure&sort=spp-up")
     wait_ready(page)
     found = [text.strip("\u2007\u2008 ") for text in visible(page, ".modes td:nth-child(2)")]
@@ -502,7 +550,7 @@ def test_a_report_of_nothing(open_page: Open, data: ReportData, tmp_path: Path, 
     """No scene, one without a picture, and one beside a scene that has some."""
     empty = (EmptyCell("bare", "povray", "none", "why"),)
     bare = SceneSection("bare", "Bare", "", data.scenes[0].reference, "", (), empty)
-    path = write_report(tmp_path, replace(data, scenes=(bare, data.scenes[0])[:scenes], headlines=()))
+    path = written(tmp_path, replace(data, scenes=(bare, data.scenes[0])[:scenes], headlines=()))
     page = open_page()
     page.goto(path.as_uri())
     if scenes == 0:

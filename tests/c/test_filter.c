@@ -28,7 +28,9 @@ static const char *const specs[] = {"box",
                                     "lanczos:lobes=1",
                                     "lanczos:lobes=8",
                                     "blackman-harris",
-                                    "blackman-harris:radius=0.5"};
+                                    "blackman-harris:radius=0.5",
+                                    "multi-stage",
+                                    "multi-stage:radius=4.5"};
 #define SPECS (sizeof specs / sizeof *specs)
 
 static asc_filter *make(const char *spec) {

@@ -1,62 +1,28 @@
-"""The commands as a user runs them: what they print, and their exit codes."""
+"""The commands: what they print, and their exit codes."""
 
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import signal
-import sqlite3
 import subprocess
-import sys
-import time
 from pathlib import Path
-from typing import Any
 
 import fake_povray
 import numpy as np
 import pytest
+from commands import COMMAND, complaint, environment, run, separately
 
-from aliascope import places, plan, references, renderers
-from aliascope.errors import CheckFailed
+from aliascope import places
+from aliascope.cli.about import LISTED
 from aliascope.image import read_header, read_image, write_exr
-from aliascope.studies import selection
-from aliascope.studies.compare import reference_of
-
-COMMAND = [sys.executable, "-W", "error", "-m", "aliascope.cli"]
-QUICK = ("-m", "uniform:n=1", "-m", "none", "-m", "msaa:n=4")
-"""One cheap mode of each renderer: of the tracer a picture a seed, "none" of POV-Ray and OSMesa, and "msaa"."""
-SEEDS = plan.SEEDS["quick"]
-
-
-def run(*arguments: str | Path, code: int = 0, **options: Any) -> subprocess.CompletedProcess[str]:
-    result = subprocess.run(
-        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False, **options
-    )
-    assert result.returncode == code, result.stdout + result.stderr
-    assert "Traceback" not in result.stderr
-    return result
-
-
-def complaint(*arguments: str | Path, code: int, **options: Any) -> str:
-    """The one line of an error."""
-    result = run(*arguments, code=code, **options)
-    lines = result.stderr.splitlines()
-    assert len(lines) == 1, result.stderr
-    assert lines[0].startswith("aliascope: ")
-    return lines[0]
-
-
-def environment(folder: Path, alone: bool = False) -> dict[str, str]:
-    """This environment with a folder first on the PATH, or alone on it."""
-    return {**os.environ, "PATH": str(folder) if alone else f"{folder}{os.pathsep}{os.environ['PATH']}"}
-
+from aliascope.studies.lists import LISTS
 
 # --- points, list, error, render, reference ---------------------------------------------------------------------------
 
 
 def test_version_and_help() -> None:
-    assert run("--version").stdout == f"aliascope {places.own_version()}\n"
+    assert separately("--version").stdout == f"aliascope {places.own_version()}\n"
     for command in ("points", "list", "render", "error", "reference", "compare"):
         assert "Example: aliascope " + command in run(command, "--help").stdout
 
@@ -99,14 +65,20 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
 
 
 def test_lists_are_the_registries() -> None:
-    for what, expected in (
-        ("scenes", "edge"),
-        ("renderers", "osmesa"),
-        ("modes", "am2"),
-        ("samplers", "sobol"),
-        ("metrics", "relative-mse"),
-        ("filters", "box"),
-    ):
+    examples = {
+        "scenes": "edge",
+        "renderers": "osmesa",
+        "modes": "am2",
+        "samplers": "sobol",
+        "measures": "star",
+        "filters": "box",
+        "weightings": "area",
+        "metrics": "relative-mse",
+        "integrands": "edge",
+        "estimators": "student-t",
+    }
+    assert tuple(examples) == tuple(LISTS) == LISTED
+    for what, expected in examples.items():
         entries = json.loads(run("list", what, "--json").stdout)[what]
         assert expected in {entry["name"] for entry in entries}
         assert expected in run("list", what).stdout
@@ -182,310 +154,6 @@ def test_a_scene_that_a_renderer_cannot_draw(tmp_path: Path) -> None:
     for name, mode in (("embree", "uniform"), ("povray", "none"), ("osmesa", "none")):
         message = complaint("render", scene, "-r", name, "-m", mode, "-o", tmp_path / "o.exr", code=2)
         assert "does not draw: sphere light" in message
-
-
-# --- compare ----------------------------------------------------------------------------------------------------------
-
-
-def compare(folder: Path, *arguments: str, code: int = 0, **options: Any) -> dict[str, Any]:
-    result = run("compare", *arguments, "-o", folder, "--json", code=code, **options)
-    document = json.loads(result.stdout)
-    assert isinstance(document, dict)
-    return document
-
-
-def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
-    first = compare(tmp_path, "edge", "discs", *QUICK)
-    pictures = 2 * (SEEDS + 3)
-    assert (first["rendered"], first["reused"], first["failed"]) == (pictures, 0, 0)
-    assert {(row["renderer"], row["mode"]) for row in first["rows"]} == {
-        ("embree", "uniform:n=1"),
-        ("povray", "none"),
-        ("osmesa", "none"),
-        ("osmesa", "msaa"),
-    }
-    assert all(row["metrics"]["rmse"] > 0 for row in first["rows"])
-    second = compare(tmp_path, "edge", "discs", *QUICK, "--resume")
-    assert (second["rendered"], second["reused"]) == (0, pictures)
-    assert second["rows"] == first["rows"]
-
-    with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        assert database.execute("PRAGMA user_version").fetchone() == (2,)
-        revision, machine, versions = database.execute("SELECT revision, machine, versions FROM run").fetchone()
-        rows = database.execute("SELECT image, seed, cpu_seconds, samples FROM job").fetchall()
-    assert revision == places.revision()
-    assert json.loads(machine) == places.machine()
-    assert {"embree", "povray", "osmesa"} <= set(json.loads(versions))
-    for path, seed, cpu_seconds, samples in rows:
-        header = read_header(tmp_path / path)
-        assert header["seed"] == str(seed)
-        assert header["command"].startswith("aliascope render ")
-        assert cpu_seconds >= 0
-        assert samples > 0
-    assert (tmp_path / "report.html").is_file()
-    assert (tmp_path / "results.csv").is_file()
-
-    # A metric that is new is measured of the pictures that are there.
-    with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        database.execute("DELETE FROM metric WHERE name = 'mae'")
-    third = compare(tmp_path, "edge", "discs", *QUICK)
-    assert (third["rendered"], third["rows"]) == (0, first["rows"])
-
-    # What is not there, is cut short, or is another picture, of the first seed or not, is made again.
-    seeds = {seed: tmp_path / path for path, seed, *_ in rows}
-    broken = [seeds.pop(0), seeds.pop(1)]
-    rest = [path for path, *_ in rows if tmp_path / path not in broken]
-    for path in broken:
-        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    (tmp_path / rest[0]).unlink()
-    write_exr(tmp_path / rest[1], np.zeros((2, 3, 3), np.float32), {})
-    fourth = compare(tmp_path, "edge", "discs", *QUICK, "--resume")
-    assert (fourth["rendered"], fourth["failed"]) == (4, 0)
-    assert [row["metrics"] for row in fourth["rows"]] == [row["metrics"] for row in first["rows"]]
-
-
-def test_processes_side_by_side_make_the_same_pictures(tmp_path: Path) -> None:
-    modes = ("edge", "-r", "embree", "-m", "uniform:n=4", "-m", "uniform:n=16,sampler=halton")
-    one, two = (compare(tmp_path / processes, *modes, "-j", processes) for processes in ("1", "2"))
-    assert [row["metrics"] for row in one["rows"]] == [row["metrics"] for row in two["rows"]]
-
-
-def test_times_of_jobs_side_by_side_do_not_pass_for_those_of_jobs_alone(tmp_path: Path) -> None:
-    modes = ("edge", "-r", "embree", "-m", "uniform:n=1")
-
-    def report() -> str:
-        return (tmp_path / "report.html").read_text()
-
-    assert compare(tmp_path, *modes, "-j", "2")["rendered"] == SEEDS
-    assert f"{SEEDS} of the pictures 2: those with more than 1 have inflated times" in report()
-    assert compare(tmp_path, *modes, "-j", "3")["reused"] == SEEDS
-    assert compare(tmp_path, *modes)["rendered"] == SEEDS
-    assert "1: each picture was timed alone" in report()
-    assert compare(tmp_path, *modes, "-j", "2")["reused"] == SEEDS
-    assert "1: each picture was timed alone" in report()
-
-    # A folder of the schema without that column is brought up to date; its pictures count as timed alone.
-    with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        database.execute("ALTER TABLE job DROP COLUMN processes")
-        database.execute("PRAGMA user_version = 1")
-    assert compare(tmp_path, *modes)["reused"] == SEEDS
-    with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        assert database.execute("PRAGMA user_version").fetchone() == (2,)
-        assert database.execute("SELECT DISTINCT processes FROM job").fetchall() == [(1,)]
-
-
-def test_dry_run_and_choices(tmp_path: Path) -> None:
-    def jobs(*arguments: str) -> list[dict[str, Any]]:
-        found = json.loads(run("compare", *arguments, "--dry-run", "--json").stdout)["jobs"]
-        assert isinstance(found, list)
-        return found
-
-    assert {job["scene"] for job in jobs("e*", "-r", "osmesa")} == {"edge"}
-    assert {job["renderer"] for job in jobs("-r", "osmesa")} == {"osmesa"}
-    assert {job["mode"] for job in jobs("edge", "-m", "am2*")} == {"am2", "am2:depth=4"}
-    assert len(jobs("edge", "-m", "regular:n=9")) == 1
-    for pattern, expected in (
-        (
-            "uniform:n=16*",
-            {"uniform", *(f"uniform:sampler={name}" for name in ("random", "regular", "jittered", "halton"))},
-        ),
-        (
-            "uniform:n=16,*",
-            {"uniform", *(f"uniform:sampler={name}" for name in ("random", "regular", "jittered", "halton"))},
-        ),
-        ("am1:depth=3*", {"am1"}),  # the profile's own text
-        ("am1:*threshold=0.1", {"am1", "am1:depth=2", "am1:depth=5"}),  # with the defaults
-        ("msaa:n=4*", {"msaa", "msaa:sample-shading=1"}),
-        ("*owen, n=6?", {"uniform:n=64"}),  # as people read it
-        ("*owen*", {"uniform", *(f"uniform:n={n}" for n in (1, 4, 64, 256))}),
-    ):
-        assert {job["mode"] for job in jobs("edge", "-m", pattern)} == expected, pattern
-    halton = {(job["renderer"], job["mode"]) for job in jobs("edge", "-m", "*halton*")}
-    assert {mode for renderer, mode in halton if renderer == "osmesa"} == {
-        "accumulate",
-        "accumulate:n=4",
-        "accumulate:n=64",
-    }
-    assert {renderer for renderer, _ in halton} == {"embree", "osmesa"}
-    assert not (tmp_path / "results.sqlite").exists()
-    for wrong, words in (
-        (("egde",), 'did you mean "edge"?'),
-        (("edge", "-r", "povrai"), 'did you mean "povray"?'),
-        (("edge", "-m", "unifrom:n=4"), 'did you mean "uniform"?'),
-        (("edge", "-m", "nine"), 'did you mean "none"?'),
-        (("edge", "-m", "unifrom:n=16,*"), 'did you mean "uniform"?'),
-        (("edge", "--profile", "quik"), 'did you mean "quick"?'),
-        (("edge", "--resume", "-o", str(tmp_path / "absent")), "no results to resume"),
-    ):
-        assert words in complaint("compare", *wrong, code=2)
-
-
-def test_a_renderer_that_is_absent_is_skipped_and_said_or_demanded(tmp_path: Path) -> None:
-    nowhere = environment(tmp_path / "empty", alone=True)
-    document = compare(tmp_path / "out", "edge", *QUICK, env=nowhere)
-    assert "povray" in document["skipped"]
-    assert document["rendered"] == SEEDS + 2
-    text = run("compare", "edge", *QUICK, "-o", tmp_path / "out", env=nowhere).stdout
-    assert "skipped povray: " in text
-    assert "not installed" in complaint("compare", "edge", "-r", "povray", "-o", tmp_path / "o", code=3, env=nowhere)
-
-
-# The worker that runs POV-Ray is its parent's parent's child: the script is started by it directly.
-TROUBLE = {
-    "crashes": ("kill -SEGV $$", "SIGSEGV"),
-    "fails": ("echo 'Parse Error: nonsense' >&2; exit 1", "Parse Error: nonsense"),
-    "hangs": ("exec sleep 60", "had not ended after 2 s"),
-    "takes its worker along": ("kill -SEGV $PPID; sleep 1", "SIGSEGV"),
-    "kills its worker": ("kill -KILL $PPID; sleep 1", "SIGKILL"),
-}
-
-
-@pytest.mark.parametrize("trouble", list(TROUBLE))
-def test_a_job_that_fails_stops_no_other(tmp_path: Path, trouble: str) -> None:
-    body, words = TROUBLE[trouble]
-    version = 'case "$*" in *version*) echo "POV-Ray 3.7.0.10" >&2; exit 0;; esac; '
-    path = environment(fake_povray.install(tmp_path / "bin", version + body))
-    document = compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)
-    assert (document["pictures"], document["failed"]) == (SEEDS + 2, 1)
-    assert words in document["failures"][0]["message"]
-    command = document["failures"][0]["command"]
-    assert command.startswith("aliascope render edge -r povray -m none ")
-    assert command.endswith(" --time-limit 2")
-    assert words in (tmp_path / "out" / "report.html").read_text()
-    # What failed is tried again, and only that.
-    assert compare(tmp_path / "out", "edge", *QUICK, "--time-limit", "2", code=4, env=path)["reused"] == SEEDS + 2
-
-
-def test_a_scene_that_nothing_draws_is_told_beside_those_that_are_drawn(tmp_path: Path) -> None:
-    arguments = ("edge", "terrain", "-r", "osmesa", "-m", "none", "--size", "32x24")
-    assert compare(tmp_path, *arguments)["rendered"] == 1
-    assert "100352 triangles and 1 light" in (tmp_path / "report.html").read_text()
-    rows = [line for line in (tmp_path / "results.csv").read_text().splitlines() if line.startswith("terrain,")]
-    assert len(rows) == 1
-    assert ',empty,"100352 triangles' in rows[0]
-
-
-def test_folders_that_cannot_be_written(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    message = complaint("compare", "edge", *QUICK, "-o", tmp_path / "file" / "out", code=4)
-    assert "choose another folder with -o" in message
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "results.sqlite").write_text("no database" * 100)
-    assert "not a database" in complaint("compare", "edge", *QUICK, "-o", tmp_path / "out", code=2)
-    (tmp_path / "other").mkdir()
-    (tmp_path / "other" / "images").write_text("")
-    assert "choose another folder" in complaint("compare", "edge", *QUICK, "-o", tmp_path / "other", code=4)
-
-
-def test_results_of_another_schema_are_refused(tmp_path: Path) -> None:
-    with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        database.execute("PRAGMA user_version = 99")
-    assert "schema 99" in complaint("compare", "edge", *QUICK, "-o", tmp_path, code=2)
-
-
-def kept(folder: Path) -> int:
-    """How many jobs a compare that is running has finished."""
-    path = folder / "results.sqlite"
-    if not path.is_file():
-        return 0
-    database = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
-    try:
-        return int(database.execute("SELECT count(*) FROM job WHERE status = 'done'").fetchone()[0])
-    except sqlite3.OperationalError:  # its tables are not there yet
-        return 0
-    finally:
-        database.close()
-
-
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
-def test_a_compare_that_was_stopped_keeps_what_it_has_and_goes_on(tmp_path: Path, how: signal.Signals) -> None:
-    command = [*COMMAND, "compare", "edge", "-r", "embree", "-o", str(tmp_path)]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 60
-    while kept(tmp_path) < 5:
-        assert process.poll() is None
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
-    process.send_signal(how)
-    _, errors = process.communicate(timeout=30)
-    if how == signal.SIGINT:
-        assert process.returncode == 130
-        assert errors.startswith("aliascope: interrupted")
-    had = kept(tmp_path)
-    (tmp_path / "images" / ".cut-short.1.exr").write_bytes(b"\x76\x2f\x31\x01")
-    document = compare(tmp_path, "edge", "-r", "embree", "--resume")
-    assert document["reused"] == had >= 5
-    embree = renderers.find("embree")
-    seeded = [embree.seeded(renderers.mode_of(embree, mode)) for mode in plan.QUICK["embree"]]
-    assert document["rendered"] == sum(SEEDS if each else 1 for each in seeded) - had
-    assert not list(tmp_path.glob("images/**/.*"))
-
-
-def test_a_users_scene_gets_its_reference_made_once(tmp_path: Path) -> None:
-    scene = tmp_path / "mine.toml"
-    text = (places.SCENES / "edge.toml").read_text()
-    scene.write_text(text.replace("0.9412", "0.5"))
-    arguments = ("compare", scene, "-m", "uniform:n=4", "--size", "40x30", "-o", tmp_path / "out", "--json")
-    first = run(*arguments)
-    assert first.stderr == "making the reference of mine, 40 x 30 pixels, filter box\n"
-    assert json.loads(first.stdout)["rows"][0]["scene"] == "mine"
-    assert run(*arguments).stderr == ""
-    scene.write_text(text.replace("0.9412", "0.6"))
-    assert "was made for another version of the scene" in run(*arguments).stderr
-
-
-def test_each_filter_is_judged_by_its_own_reference(tmp_path: Path) -> None:
-    scene = tmp_path / "mine.toml"
-    scene.write_text((places.SCENES / "discs.toml").read_text())
-    modes = [f"uniform:n=256,filter={name}" for name in ("box", "mitchell")]
-    document = compare(
-        tmp_path / "out", str(scene), *(word for mode in modes for word in ("-m", mode)), "--size", "24x18"
-    )
-    rmse = {row["scene"]: row["metrics"]["rmse"] for row in document["rows"]}
-    assert set(rmse) == {"mine", "mine, mitchell"}
-    # Judged by the other's reference, either would be 0.02 off or more.
-    assert max(rmse.values()) < 0.004
-
-
-def test_a_scene_that_nothing_draws(tmp_path: Path) -> None:
-    scene = tmp_path / "lit.toml"
-    text = (places.SCENES / "discs.toml").read_text()
-    scene.write_text(text + '\n[[lights]]\ntype = "sphere"\ncentre = [0, 0, 1]\nradius = 1.0\nintensity = [1, 1, 1]\n')
-    message = complaint("compare", scene, "-o", tmp_path / "out", code=2)
-    assert "no mode draws it: Embree here does not draw: sphere light" in message
-    # A dry run ends as the run would, and says which cells stay empty.
-    assert complaint("compare", scene, "-o", tmp_path / "out", "--dry-run", code=2) == message
-    dry = run("compare", scene, "-m", "none", "--dry-run", code=2).stdout.splitlines()
-    assert dry[0] == "0 pictures"
-    assert {line.partition(": ")[0] for line in dry[1:]} == {"empty lit"}
-    cells = json.loads(run("compare", scene, "-m", "none", "--dry-run", "--json", code=2).stdout)["empty"]
-    assert {(cell["scene"], cell["renderer"], cell["mode"]) for cell in cells} == {
-        ("lit", "povray", "none"),
-        ("lit", "osmesa", "none"),
-    }
-    assert all("sphere light" in cell["reason"] for cell in cells)
-    assert "1 picture\n" in run("compare", "edge", "-r", "osmesa", "-m", "none", "--dry-run").stdout
-
-
-def test_a_missing_reference_of_ours_is_said_and_never_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(places, "REFERENCES", tmp_path / "none")
-    chosen = selection.plan_of(["edge"], ["embree"], ["uniform:n=4,filter=mitchell"], "quick", None)
-    for filter_, option in (("box", ""), ("mitchell", " --filter mitchell")):
-        with pytest.raises(CheckFailed, match=f"make it with: aliascope reference edge{option}"):
-            reference_of(chosen, ("edge", filter_), (128, 96), tmp_path, print)
-    assert not list(tmp_path.iterdir())
-
-
-def test_the_reference_of_a_filter_that_no_profile_judges_is_made(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    few, make, told = references.Plan(samples=4, replicates=2), references.make, list[str]()
-    monkeypatch.setattr(references, "make", lambda scene, size, filter_, _: make(scene, size, filter_, few))
-    chosen = selection.plan_of(["edge"], ["embree"], ["uniform:n=4,filter=tent"], "quick", None)
-    for _ in range(2):
-        assert reference_of(chosen, ("edge", "tent"), (128, 96), tmp_path, told.append).pixels.shape == (96, 128, 3)
-    assert told == ["making the reference of edge, 128 x 96 pixels, filter tent"]
-    assert (tmp_path / "edge" / "128x96-tent.exr").is_file()
 
 
 # --- doctor -----------------------------------------------------------------------------------------------------------

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, pairwise, product
-from typing import Any
 
 import numpy as np
 import pytest
@@ -208,49 +207,72 @@ def test_one_point_by_hand() -> None:
     assert measure("l2-star", [[0.0]]).value == pytest.approx(math.sqrt(1 / 3), rel=1e-15, abs=0)
 
 
-def square_in_long_double(name: str, points: Points) -> float:
-    """The same formulas in numpy's long double, which rounds 2,000 times less than double."""
-    long = np.longdouble
-    third = long(1) / 3
-    first, one, two = FORMULAS[name]
-    n, dimensions = points.shape
-    x = points.astype(long)
-    off = np.abs(x - long(0.5))
-    pairs = long(0)
-    for start in range(0, n, 128):
-        some, some_off = x[start : start + 128, None], off[start : start + 128, None]
-        pairs += two(some, x[None], some_off + off[None]).prod(axis=2).sum(axis=1).sum()  # numpy adds pairwise
-    singles = one(x, off).prod(axis=1).sum()
-    return float((first * third) ** dimensions - 2 * singles / n + pairs / n / n)
+WholeNumbers = NDArray[np.int32]
 
 
-LongDoubles = NDArray[np.longdouble]
-FORMULAS: dict[str, tuple[Any, Callable[..., LongDoubles], Callable[..., LongDoubles]]] = {
-    "l2-star": (1, lambda x, off: (1 - x * x) / 2, lambda x, y, offs: 1 - np.maximum(x, y)),
+def square_of_a_lattice(name: str, points: Points) -> Fraction:
+    """The same formulas for points (n, 2) that are whole multiples of 1/n, n a power of two up to 4096: in whole
+    numbers, of 31 bits for the terms, 63 for some products, and any number for their sums."""
+    n = len(points)
+    whole = np.rint(points * n).astype(np.int32)
+    assert (whole == points * n).all()
+    off = np.abs(2 * whole - n)  # |x - 1/2| in units of 1 / 2n
+    first, one_unit, one, two_unit, two = FORMULAS[name]
+    singles = sum(math.prod(row) for row in one(whole, off, n).tolist())
+    pairs, block = 0, 256
+    for start in range(0, n, block):  # pairs of equal blocks once, the others twice
+        rows = slice(start, start + block)
+        terms = [two(whole[rows, None, d], whole[start:, d], off[rows, None, d] + off[start:, d], n) for d in (0, 1)]
+        assert max(abs(term).max() for term in terms) < 2**28  # so 64 products are below 2^62
+        sums = (terms[0].astype(np.int64) * terms[1]).reshape(block, -1, 64).sum(axis=2)
+        pairs += 2 * sum(sums.ravel().tolist()) - sum(sums[:, : block // 64].ravel().tolist())
+    return first**2 - Fraction(2 * singles, n * (one_unit * n**2) ** 2) + Fraction(pairs, (n * two_unit * n**2) ** 2)
+
+
+# The first term; the others as whole numbers, in units of 1 / (unit n^2).
+Formula = tuple[Fraction, int, Callable[..., WholeNumbers], int, Callable[..., WholeNumbers]]
+FORMULAS: dict[str, Formula] = {
+    "l2-star": (
+        Fraction(1, 3),
+        2,
+        lambda x, off, n: n * n - x * x,
+        1,
+        lambda x, y, offs, n: n * (n - np.maximum(x, y)),
+    ),
     "l2-extreme": (
-        0.25,
-        lambda x, off: x * (1 - x) / 2,
-        lambda x, y, offs: np.minimum(x, y) * (1 - np.maximum(x, y)),
+        Fraction(1, 12),
+        2,
+        lambda x, off, n: x * (n - x),
+        1,
+        lambda x, y, offs, n: np.minimum(x, y) * (n - np.maximum(x, y)),
     ),
     "l2-centered": (
-        3.25,
-        lambda x, off: 1 + off / 2 - off**2 / 2,
-        lambda x, y, offs: 1 + (offs - np.abs(x - y)) / 2,
+        Fraction(13, 12),
+        8,
+        lambda x, off, n: 8 * n * n + 2 * off * n - off * off,
+        4,
+        lambda x, y, offs, n: 4 * n * n + n * (offs - 2 * np.abs(x - y)),
     ),
     "l2-wrap": (
-        4,
-        lambda x, off: 0 * x + np.longdouble(4) / 3,
-        lambda x, y, offs: 1.5 - np.abs(x - y) * (1 - np.abs(x - y)),
+        Fraction(4, 3),
+        3,
+        lambda x, off, n: 4 * n * n + 0 * x,
+        2,
+        lambda x, y, offs, n: 3 * n * n - 2 * np.abs(x - y) * (n - np.abs(x - y)),
     ),
     "l2-mixture": (
-        4.75,
-        lambda x, off: np.longdouble(5) / 3 - off / 4 - off**2 / 4,
-        lambda x, y, offs: 1.875 - offs / 4 - 0.75 * np.abs(x - y) + (x - y) ** 2 / 2,
+        Fraction(19, 12),
+        48,
+        lambda x, off, n: 80 * n * n - 6 * off * n - 3 * off * off,
+        8,
+        lambda x, y, offs, n: 15 * n * n - n * (offs + 6 * np.abs(x - y)) + 4 * (x - y) ** 2,
     ),
     "l2-periodic": (
-        1,
-        lambda x, off: 0 * x + np.longdouble(1) / 3,
-        lambda x, y, offs: 0.5 - np.abs(x - y) * (1 - np.abs(x - y)),
+        Fraction(1, 3),
+        3,
+        lambda x, off, n: n * n + 0 * x,
+        2,
+        lambda x, y, offs, n: n * n - 2 * np.abs(x - y) * (n - np.abs(x - y)),
     ),
 }
 
@@ -262,7 +284,7 @@ def test_no_digits_are_lost_at_many_points(name: str, n: int) -> None:
     1e-16, and those of a lattice are much alike, so that not all of it averages out: half of that is allowed, which
     leaves 9 digits of the square. Plain sums in double leave ten times as much of l2-mixture's and l2-wrap's."""
     points = hammersley(n)
-    square = square_in_long_double(name, points)
+    square = float(square_of_a_lattice(name, points))
     assert square < 1e-4
     assert measure(name, points).value ** 2 == pytest.approx(square, rel=1e-14, abs=5e-17)
 

@@ -171,6 +171,37 @@ def test_threshold_accepting_finds_it() -> None:
     assert few[3] == measure("star-bounds:iterations=50,work=0", values, seed=3)
 
 
+def diagonal(n: int, dimensions: int) -> Points:
+    """(i/n, ..., i/n) for i from 0 to n - 1."""
+    return np.repeat(np.arange(n)[:, None] / n, dimensions, axis=1)
+
+
+def star_of_diagonal(n: int, dimensions: int) -> Fraction:
+    """A closed box up to i/n in every dimension has i + 1 points; an open one that lacks some is best cut there in one
+    dimension alone, and has as many points as its volume, for i/n from 0 to 1."""
+    return max(Fraction(i + 1, n) - Fraction(i, n) ** dimensions for i in range(n))
+
+
+@pytest.mark.parametrize("dimensions", [1, 2, 3, 5, 8, 10])
+def test_bounds_of_sets_whose_star_is_known(dimensions: int) -> None:
+    """With work for the gap, with little, and with none: the truth is between them in any case."""
+    rng = np.random.default_rng(dimensions)
+    cases = [(diagonal(n, dimensions), star_of_diagonal(n, dimensions)) for n in (1, 2, 16)]
+    for _ in range(3):
+        point = rng.random(dimensions) ** 0.25
+        exact = max(Fraction(point.max()), 1 - math.prod(map(Fraction, point.tolist()), start=Fraction(1)))
+        cases.append((np.repeat(point[None], 9, axis=0), exact))
+    for values, exact in cases:
+        for spec in ("star-bounds", "star-bounds:work=0.01", "star-bounds:iterations=0", "star-bounds:work=0"):
+            bounds = measure(spec, values, seed=5)
+            assert holds(bounds, exact), (spec, exact, bounds)
+            assert bounds.value == bounds.lower > 0.0
+            assert measure(spec, values, seed=5) == bounds
+        exactly = measure("star-bounds:gap=0", values)
+        assert exactly.value == pytest.approx(float(exact), abs=dimensions * ROUNDING)
+        assert exactly.upper == pytest.approx(float(exact), abs=dimensions * ROUNDING)
+
+
 def test_bounds_of_one_point_and_equal_points() -> None:
     for n in (1, 50):
         bounds = measure("star-bounds:gap=0", [[0.5, 0.5]] * n)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from aliascope.native.discrepancy import measure
 
 Points = NDArray[np.float64]
-Line = tuple[Fraction, Fraction, Fraction]
+Line = tuple[int, int, int]
 
 # Directions that differ by less than 2^-50 count as one (half_plane.c): 3.6e-15 of area, and some eps of rounding.
 HALF_PLANE_ERROR = 5e-15
@@ -68,77 +68,84 @@ def exact(points: Points) -> list[tuple[Fraction, Fraction]]:
     return [(Fraction(float(x)), Fraction(float(y))) for x, y in points]
 
 
-def clipped_area(a: Fraction, b: Fraction, c: Fraction) -> Fraction:
-    """The area of a x + b y + c >= 0 in the unit square: the square clipped as a polygon, and its shoelace."""
-    corners = [(Fraction(x), Fraction(y)) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
-    polygon = []
-    for (x, y), (u, v) in itertools.pairwise([*corners, corners[0]]):
-        here, there = a * x + b * y + c, a * u + b * v + c
-        if here >= 0:
-            polygon.append((x, y))
-        if here * there < 0:
-            share = here / (here - there)
-            polygon.append((x + share * (u - x), y + share * (v - y)))
-    edges = itertools.pairwise([*polygon, polygon[0]]) if polygon else ()
-    return abs(sum((x * v - u * y for (x, y), (u, v) in edges), Fraction(0))) / 2
+def whole(points: Points) -> tuple[list[tuple[int, int]], int]:
+    """The points as whole multiples of a power of two, and its reciprocal: arithmetic without fractions to shorten."""
+    given = exact(points)
+    unit = max(value.denominator for point in given for value in point)
+    return [(int(x * unit), int(y * unit)) for x, y in given], unit
 
 
-def lines(points: list[tuple[Fraction, Fraction]]) -> set[Line]:
+def clipped_area(a: Fraction | int, b: Fraction | int, c: Fraction | int) -> Fraction:
+    """The area of a x + b y + c >= 0 in the unit square, by the textbook formula: whole numbers do not cancel."""
+    unit = math.lcm(*(Fraction(value).denominator for value in (a, b, c)))
+    a, b, c = (int(value * unit) for value in (a, b, c))
+    if a < 0:  # x and 1 - x change places; and so for y
+        a, c = -a, c + a
+    if b < 0:
+        b, c = -b, c + b
+    if a == 0 or b == 0:
+        side = a or b
+        return Fraction(max(c + side, 0) - max(c, 0), side) if side else Fraction(c >= 0)
+    squares = max(c + a + b, 0) ** 2 - max(c + a, 0) ** 2 - max(c + b, 0) ** 2 + max(c, 0) ** 2
+    return Fraction(squares, 2 * a * b)
+
+
+def lines(points: list[tuple[int, int]], unit: int) -> set[Line]:
     """All lines through two points; and through each alone those among which is the one that it halves: the ends of
     that chord lie on the square and on its mirror image in the point, so at corners of what these two share."""
     found = set()
 
-    def add(x: Fraction, y: Fraction, dx: Fraction, dy: Fraction) -> None:
+    def add(x: int, y: int, dx: int, dy: int) -> None:
         if dx or dy:
             found.add((dy, -dx, dx * y - dy * x))
 
     for (x, y), (u, v) in itertools.combinations(set(points), 2):
         add(x, y, u - x, v - y)
     for x, y in set(points):
-        half_width, half_height = min(x, 1 - x), min(y, 1 - y)
+        half_width, half_height = min(x, unit - x), min(y, unit - y)
         add(x, y, half_width, half_height)
         add(x, y, half_width, -half_height)
-        add(x, y, Fraction(1), Fraction(0))
-        add(x, y, Fraction(0), Fraction(1))
+        add(x, y, 1, 0)
+        add(x, y, 0, 1)
     return found
 
 
 def brute_half_plane(points: Points) -> Fraction:
-    """Over all lines, with every number of the points on it that a tilt can leave on one side."""
-    given = exact(points)
+    """Over all lines, with all or none of the points on it, which a tilt can leave on one side."""
+    given, unit = whole(points)
     best = Fraction(0)
-    for a, b, c in lines(given):
+    for a, b, c in lines(given, unit):
         values = [a * x + b * y + c for x, y in given]
         inside, on = sum(value > 0 for value in values), sum(value == 0 for value in values)
-        area = clipped_area(a, b, c)
-        best = max(best, *(abs(Fraction(inside + some, len(given)) - area) for some in range(on + 1)))
+        area = clipped_area(a * unit, b * unit, c)
+        best = max(best, *(abs(Fraction(count, len(given)) - area) for count in (inside, inside + on)))
     return best
 
 
 def brute_box(points: Points) -> Fraction:
     """Over all boxes with their sides at coordinates, 0 or 1, open and closed."""
-    given = exact(points)
-    sides = [sorted({Fraction(0), Fraction(1), *(point[d] for point in given)}) for d in range(2)]
-    best = Fraction(0)
+    given, unit = whole(points)
+    sides = [sorted({0, unit, *(point[d] for point in given)}) for d in range(2)]
+    best = 0
     spans = [list(itertools.combinations_with_replacement(side, 2)) for side in sides]
     for closed in (False, True):
         inside = [
             np.array([[a <= p[d] <= b if closed else a < p[d] < b for p in given] for a, b in spans[d]], dtype=int)
             for d in range(2)
         ]
-        counts = inside[0] @ inside[1].T
+        counts = (inside[0] @ inside[1].T).tolist()
+        heights = [d - c for c, d in spans[1]]
         for i, (a, b) in enumerate(spans[0]):
-            # Of one count and width, only the extreme areas matter: fewer fractions to add up.
-            least: dict[int, Fraction] = {}
-            most: dict[int, Fraction] = {}
-            for j, (c, d) in enumerate(spans[1]):
-                n, height = int(counts[i, j]), d - c
+            # Of one count and width, only the extreme heights matter.
+            least: dict[int, int] = {}
+            most: dict[int, int] = {}
+            for n, height in zip(counts[i], heights, strict=True):
                 least[n] = min(least.get(n, height), height)
                 most[n] = max(most.get(n, height), height)
-            for heights in (least, most):
-                for n, height in heights.items():
-                    best = max(best, abs(Fraction(n, len(given)) - (b - a) * height))
-    return best
+            for extremes in (least, most):
+                for n, height in extremes.items():
+                    best = max(best, abs(n * unit**2 - len(given) * (b - a) * height))
+    return Fraction(best, len(given) * unit**2)
 
 
 BRUTE: dict[str, tuple[Callable[[Points], Fraction], float]] = {
@@ -176,6 +183,19 @@ def test_a_half_planes_witness_has_the_value() -> None:
         assert found.value == pytest.approx(float(value), rel=0, abs=5e-14), name  # 1e-14 at |(a, b)| > 1/2, 2 sqrt 2
 
 
+def areas(a: Points, b: Points, c: Points) -> Points:
+    """The area of a x + b y + c >= 0, by integrating the edge's height over x between its kinks."""
+    steep = np.abs(b) < np.abs(a)
+    a, b = np.where(steep, b, a), np.where(steep, a, b)
+    kinks = np.clip(
+        np.stack([np.zeros_like(a), -c / np.where(a == 0, 1, a), -(b + c) / np.where(a == 0, 1, a), a**0]), 0, 1
+    )
+    kinks.sort(axis=0)
+    heights = np.clip(-(a * kinks + c) / b, 0, 1)
+    below = np.sum(np.diff(kinks, axis=0) * (heights[1:] + heights[:-1]) / 2, axis=0)
+    return np.asarray(np.where(b > 0, 1 - below, below))
+
+
 @pytest.mark.parametrize("n", [1, 2, 5, 20, 100])
 def test_random_search_never_exceeds(n: int) -> None:
     draw = np.random.default_rng(n)
@@ -189,14 +209,12 @@ def test_random_search_never_exceeds(n: int) -> None:
         found = np.abs(inside - np.prod(sides[:, 1] - sides[:, 0], axis=1)).max()
         assert found <= measure("box", points).value + 1e-14
 
-        best = measure("half-plane", points).value
-        for _ in range(4000):
-            angle = draw.random() * 2 * math.pi
-            a, b = math.cos(angle), math.sin(angle)
-            x, y = points[draw.integers(n)] if draw.random() < 0.5 else draw.random(2)
-            c = -(a * x + b * y) + draw.choice([-1e-9, 0.0, 1e-9])
-            area = float(clipped_area(Fraction(a), Fraction(b), Fraction(c)))
-            assert abs(np.mean(points @ (a, b) + c >= 0) - area) <= best + 1e-14
+        angle = draw.random(20000) * 2 * math.pi
+        a, b = np.cos(angle), np.sin(angle)
+        through = np.where(draw.random((20000, 1)) < 0.5, points[draw.integers(0, n, 20000)], draw.random((20000, 2)))
+        c = -(a * through[:, 0] + b * through[:, 1]) + draw.choice([-1e-9, 0.0, 1e-9], 20000)
+        share = (np.column_stack([a, b]) @ points.T + c[:, None] >= 0).mean(axis=1)
+        assert np.abs(share - areas(a, b, c)).max() <= measure("half-plane", points).value + 1e-14
 
 
 @pytest.mark.parametrize("spec", BRUTE)
@@ -224,19 +242,6 @@ def middling_sets() -> Iterator[tuple[str, Points]]:
     yield "two clusters", np.concatenate([draw.random((60, 2)) * 1e-7 + shift for shift in (0.2, 0.7)])
     yield "circle", 0.5 + 0.4 * np.column_stack([f(np.arange(90) * 2 * math.pi / 90) for f in (np.cos, np.sin)])
     yield "three lines", np.concatenate([draw.random((40, 1)) * (0.3, 0.4) + shift for shift in (0.1, 0.3, 0.5)])
-
-
-def areas(a: Points, b: Points, c: Points) -> Points:
-    """The area of a x + b y + c >= 0, by integrating the edge's height over x between its kinks."""
-    steep = np.abs(b) < np.abs(a)
-    a, b = np.where(steep, b, a), np.where(steep, a, b)
-    kinks = np.clip(
-        np.stack([np.zeros_like(a), -c / np.where(a == 0, 1, a), -(b + c) / np.where(a == 0, 1, a), a**0]), 0, 1
-    )
-    kinks.sort(axis=0)
-    heights = np.clip(-(a * kinks + c) / b, 0, 1)
-    below = np.sum(np.diff(kinks, axis=0) * (heights[1:] + heights[:-1]) / 2, axis=0)
-    return np.asarray(np.where(b > 0, 1 - below, below))
 
 
 @pytest.mark.parametrize(("name", "points"), list(middling_sets()), ids=[name for name, _ in middling_sets()])

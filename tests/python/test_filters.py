@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+import math
+import operator
 from collections.abc import Callable
-from itertools import pairwise
 
 import mpmath
 import numpy as np
@@ -32,6 +34,14 @@ def harris(t: mpmath.mpf) -> mpmath.mpf:
     return mpmath.fsum(mpmath.mpf(a) * mpmath.cospi(k * t) for k, a in enumerate(terms))
 
 
+def boxes(t: mpmath.mpf, widths: tuple[float, ...]) -> mpmath.mpf:
+    """Convolved: the n-fold integral of the product of their differences, powers of the distance to each knot."""
+    knots = [
+        (math.prod(signs), sum(map(operator.mul, signs, widths)) / 2) for signs in itertools.product((1, -1), repeat=4)
+    ]
+    return mpmath.fsum(sign * max(mpmath.mpf(knot) - t, 0) ** 3 for sign, knot in knots)
+
+
 THIRD = mpmath.mpf(1) / 3
 FORMULAS: dict[str, tuple[Callable[[mpmath.mpf], mpmath.mpf], float]] = {
     "box": (lambda t: mpmath.mpf(1), 0.5),
@@ -47,15 +57,21 @@ FORMULAS: dict[str, tuple[Callable[[mpmath.mpf], mpmath.mpf], float]] = {
     "lanczos": (lambda t: mpmath.sincpi(t) * mpmath.sincpi(t / 3), 3),
     "lanczos:lobes=2": (lambda t: mpmath.sincpi(t) * mpmath.sincpi(t / 2), 2),
     "blackman-harris": (lambda t: harris(2 * t / 3), 1.5),
+    "multi-stage": (lambda t: boxes(t, (1.0, 0.5, 0.5, 0.25)), 1.125),
 }
 """Each as a function of the distance, not normalised, and its radius."""
+
+
+def pieces_of(spec: str) -> int:
+    """Into how many equal parts the radius is cut so that a formula is smooth on each."""
+    return 9 if spec.startswith("multi-stage") else 6
 
 
 def total(spec: str) -> mpmath.mpf:
     """The integral of a formula, by mpmath with 30 digits."""
     formula, radius = FORMULAS[spec]
     with mpmath.workdps(30):
-        return 2 * mpmath.quad(formula, mpmath.linspace(0, mpmath.mpf(radius), 7))
+        return 2 * mpmath.quad(formula, mpmath.linspace(0, mpmath.mpf(radius), pieces_of(spec) + 1))
 
 
 def test_every_filter_has_a_formula_here() -> None:
@@ -82,13 +98,15 @@ def test_integrals(spec: str) -> None:
     formula, radius = FORMULAS[spec]
     assert filters.integral(spec, -np.inf, np.inf) == pytest.approx(1, abs=1e-14)  # the header's bound
     # The profile as it is evaluated, by another quadrature; 1e-13 is what quad reaches in double.
-    knots = np.linspace(-radius, radius, 13)
-    pieces = [quad(lambda t: float(filters.evaluate(spec, t)), a, b, epsabs=1e-15)[0] for a, b in pairwise(knots)]
+    knots = np.linspace(-radius, radius, 2 * pieces_of(spec) + 1)
+    pieces = [
+        quad(lambda t: float(filters.evaluate(spec, t)), a, b, epsabs=1e-15)[0] for a, b in itertools.pairwise(knots)
+    ]
     assert sum(pieces) == pytest.approx(1, abs=1e-13)
     rng = np.random.default_rng(5)
     for a, b in rng.uniform(-1.2 * radius, 1.2 * radius, (12, 2)):
         low, high = sorted((max(-radius, min(radius, a)), max(-radius, min(radius, b))))
-        inner = [k * radius / 6 for k in range(-6, 7) if low < k * radius / 6 < high]
+        inner = [knot for knot in np.linspace(-radius, radius, 2 * pieces_of(spec) + 1) if low < knot < high]
         with mpmath.workdps(30):
             exact = mpmath.quad(lambda t: formula(abs(t)), [low, *inner, high]) / total(spec)
         assert filters.integral(spec, a, b) == pytest.approx(float(exact) * (1 if a < b else -1), abs=1e-14)
@@ -103,7 +121,7 @@ def test_responses(spec: str) -> None:
         # fourth power of that / 180 of the integral, 6e-11 / 180; half of it, and rounding, come to 1e-12.
         knots = np.linspace(0, radius, 7)
         exact = 0.0
-        for a, b in pairwise(knots):
+        for a, b in itertools.pairwise(knots):
             x = np.linspace(a, b, (1 << 14) + 1)
             x[-1] = np.nextafter(b, 0)  # the last value of a profile that ends in a step
             weights = np.ones(x.size)

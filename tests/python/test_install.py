@@ -102,6 +102,16 @@ def test_what_is_installed(staged: Path) -> None:
     assert run(["pkg-config", "--modversion", "aliascope"], staged, **pkg_config(staged)).stdout.strip() == version
 
 
+def test_what_the_headers_declare_is_what_the_library_exports(staged: Path) -> None:
+    """No more: a function compiled for several instruction sets comes with names of the compiler's."""
+    headers = sorted((ROOT / "csrc" / "include" / "aliascope").iterdir())
+    declared = re.findall(r"^ASC_API\b[^;]*?\b(asc_\w+)\(", "\n".join(map(Path.read_text, headers)), re.MULTILINE)
+    for library in (staged / "usr" / "lib" / "libaliascope.so", ROOT / "harness/aliascope/native/lib/libaliascope.so"):
+        listed = run(["nm", "-D", "--defined-only", library.resolve()], staged).stdout.splitlines()
+        assert sorted(line.split()[-1] for line in listed) == sorted(declared)
+    assert "asc_sampler_fill" in declared
+
+
 def test_each_header_stands_alone(tmp_path: Path, staged: Path) -> None:
     for header in (staged / "usr" / "include" / "aliascope").iterdir():
         (tmp_path / "one.c").write_text(f'#include "aliascope/{header.name}"\nint main(void) {{ return 0; }}\n')

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import scipy.stats
 from typer.testing import CliRunner
 
 import aliascope
@@ -25,7 +24,6 @@ from aliascope.integration.theory import theory
 from aliascope.native.discrepancy import measure
 from aliascope.native.samplers import points, registered
 from aliascope.report.lecture import formula
-from aliascope.statistics import fit_rate
 from aliascope.studies.integrate import expand
 
 
@@ -141,53 +139,6 @@ def test_sums_lose_no_digits() -> None:
     bound = 2.0**-64 * 5000 * 0.5e15 + abs(float(exact)) * 2.0**-53
     assert estimate(function, at, weights)[0] == pytest.approx(float(exact), abs=bound, rel=0.0)
     assert abs(float((weights * 1e15).sum()) - float(exact)) > 0.0
-
-
-# --- fits ----------------------------------------------------------------------------------------------------------
-
-
-def test_fits_are_scipys_and_numpys() -> None:
-    n = [16, 32, 64, 128, 256]
-    errors = [0.5, 0.31, 0.17, 0.083, 0.06]
-    free = fit_rate(n, errors, [0.0] * 5)
-    line = scipy.stats.linregress(np.log(n), np.log(errors))
-    assert free.exponent == pytest.approx(line.slope, rel=1e-12)
-    half = float(scipy.stats.t.ppf(0.975, 3)) * line.stderr
-    assert free.interval == pytest.approx((line.slope - half, line.slope + half), rel=1e-9)
-    assert free.constant == pytest.approx(math.exp(line.intercept), rel=1e-12)
-    spread = [0.2, 0.4, 0.3, 0.5, 0.1]
-    weighted = fit_rate(n, errors, [s * e for s, e in zip(spread, errors, strict=True)])
-    slope, covariance = np.polyfit(np.log(n), np.log(errors), 1, w=1 / np.array(spread), cov="unscaled")
-    assert weighted.exponent == pytest.approx(slope[0], rel=1e-9)
-    # The points lie nearer to the line than their errors say, so those count.
-    half = float(scipy.stats.t.ppf(0.975, 3)) * math.sqrt(covariance[0, 0])
-    assert weighted.interval[1] - weighted.interval[0] == pytest.approx(2 * half, rel=1e-9)
-
-
-def test_intervals_cover_as_often_as_they_say() -> None:
-    rng = np.random.default_rng(4)
-    n = [2**k for k in range(4, 13)]
-    held = 0
-    for _ in range(1000):
-        errors = [k**-0.75 * math.exp(0.09 * rng.standard_normal()) for k in n]
-        found = fit_rate(n, errors, [0.09 * e for e in errors])
-        held += found.interval[0] <= -0.75 <= found.interval[1]
-    # At least 95 % less 4 binomial standard errors of 0.7 %; more, as the scatter only ever widens it.
-    assert held >= 922
-
-
-def test_a_bend_is_seen_and_widens_the_interval() -> None:
-    n = [2**k for k in range(4, 15)]
-    bent = fit_rate(n, [math.log(k) ** 2 / k for k in n], [0.0] * len(n))
-    assert bent.curved
-    # The local rates of (log N)^2 / N are -1 + 2 / log N.
-    assert bent.interval[0] <= -1 + 2 / math.log(n[-1])
-    assert bent.interval[1] >= -1 + 2 / math.log(64)
-    assert bent.local < bent.exponent
-    rough = [3.0 * k**-1.5 * (1.1 if i % 2 else 1.0) for i, k in enumerate(n)]
-    assert not fit_rate(n, rough, [0.0] * len(n)).curved
-    with pytest.raises(ValueError, match="three"):
-        fit_rate([4, 8], [1.0, 0.5], [0.0, 0.0])
 
 
 # --- numbers of points ---------------------------------------------------------------------------------------------
@@ -435,4 +386,7 @@ def test_formulas_of_the_page() -> None:
     assert str(formula("~ N^-3/4 and <= (log N)^2 N^-1")) == (
         "∼ N<sup>−3/4</sup> and ≤ (log N)<sup>2</sup> N<sup>−1</sup>"
     )
-    assert str(formula("N^(-2/d), D_N, quasi-Monte <b>")) == "N<sup>−2/d</sup>, D<sub>N</sub>, quasi-Monte &lt;b&gt;"
+    assert (
+        str(formula("near N^-3/2. N^(-2/d), D_N, quasi-Monte <b>"))
+        == "near N<sup>−3/2</sup>. N<sup>−2/d</sup>, D<sub>N</sub>, quasi-Monte &lt;b&gt;"
+    )

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import aliascope
-from aliascope import pipeline, renderers, scene_io
+from aliascope import pipeline, renderers, scene_io, workers
 from aliascope.errors import JobFailed
 from aliascope.renderers.base import Request
 
@@ -72,7 +72,7 @@ def test_pictures_do_not_depend_on_the_code_of_another_renderer() -> None:
 
 
 def test_a_process_is_ended_not_long_after_its_time_limit() -> None:
-    assert [pipeline.patience(seconds) for seconds in (0.1, 2.0, 10.0, 120.0)] == [2.1, 4.0, 15.0, 140.0]
+    assert [workers.patience(seconds) for seconds in (0.1, 2.0, 10.0, 120.0)] == [2.1, 4.0, 15.0, 140.0]
 
 
 @pytest.mark.parametrize("name", ["embree", "osmesa"])

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
+from commands import in_a_fork, run, separately
 
 from aliascope.studies import plugin_check
 from aliascope.studies.plugin_check import CHECKS, Outcome, check_one
 from aliascope.studies.plugin_contracts import CONTRACTS
+from aliascope.studies.plugin_probe import run_check
 from aliascope.studies.plugin_subject import NothingToCheck, Subject
 
 ROOT = Path(__file__).resolve().parents[2]
 GOOD = (Path(__file__).parent / "mine.c").read_text()
 EXAMPLE = (ROOT / "csrc" / "plugins" / "kronecker.c").read_text()
-COMMAND = [sys.executable, "-W", "error", "-m", "aliascope.cli", "plugin", "check"]
 FILLS = {
     "past-end",
     "before-start",
@@ -54,19 +54,15 @@ def failures(outcomes: list[Outcome]) -> dict[str, str]:
     return {outcome.name: outcome.text for outcome in outcomes if not outcome.holds}
 
 
+def _what_fails(plugin: Path, spec: str) -> dict[str, str]:
+    last = sorted(CHECKS, key=lambda name: name == "refusals")  # it limits the process's memory
+    found = {name: run_check(name, str(plugin), spec, lambda text: None) for name in last}
+    return {name: each["text"] for name, each in found.items() if each["status"] not in ("ok", "skipped")}
+
+
 def checked_at_once(plugin: Path, spec: str = "mine") -> dict[str, str]:
     """What fails, all checks in one process: for plugins that leave it standing."""
-    code = (
-        "import json, sys\n"
-        "from aliascope.studies.plugin_probe import run_check\n"
-        "found = {c: run_check(c, *sys.argv[1:3], lambda text: None) for c in sys.argv[3:]}\n"
-        "print(json.dumps({c: r['text'] for c, r in found.items() if r['status'] not in ('ok', 'skipped')}))\n"
-    )
-    last = sorted(CHECKS, key=lambda name: name == "refusals")  # it limits the process's memory
-    command = [sys.executable, "-c", code, str(plugin), spec, *last]
-    result = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
-    assert result.returncode == 0, result.stderr
-    return dict(json.loads(result.stdout))
+    return in_a_fork(_what_fails, plugin, spec)
 
 
 # --- plugins that hold ------------------------------------------------------------------------------------------------
@@ -198,17 +194,9 @@ def test_one_broken_contract_fails_one_check(tmp_path: Path, change: tuple[str, 
 # --- plugins that take their process with them ------------------------------------------------------------------------
 
 
-def run(plugin: Path, *arguments: str, code: int) -> subprocess.CompletedProcess[str]:
-    command = [*COMMAND, str(plugin), *arguments]
-    result = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
-    assert result.returncode == code, result.stdout + result.stderr
-    assert "Traceback" not in result.stderr
-    return result
-
-
 def reported(plugin: Path, *arguments: str) -> dict[str, str]:
     """What fails, by the command."""
-    document = json.loads(run(plugin, "--json", *arguments, code=1).stdout)
+    document = json.loads(run("plugin", "check", plugin, "--json", *arguments, code=1).stdout)
     assert document["holds"] is False
     assert [entry["name"] for entry in document["checks"]] == list(CHECKS)
     return {entry["name"]: entry["text"] for entry in document["checks"] if entry["status"] == "failed"}
@@ -281,7 +269,7 @@ def test_stray_writes_of_weights_are_found(tmp_path: Path) -> None:
 
 def test_a_sampler_that_always_crashes_fails_what_calls_it(tmp_path: Path) -> None:
     plugin = compiled(tmp_path, GOOD, in_place("filled", "abort();"))
-    lines = run(plugin, code=1).stdout.splitlines()
+    lines = run("plugin", "check", plugin, code=1).stdout.splitlines()
     assert [line.split()[0] for line in lines[:-1]] == list(CHECKS)
     assert {line.split()[0] for line in lines[:-1] if line.split()[1] == "failed"} == FILLS
     assert all("SIGABRT" in line for line in lines if "failed" in line)
@@ -383,7 +371,7 @@ def test_what_is_no_plugin_ends_with_2(tmp_path: Path) -> None:
         (plugin, "power", ("--spec", "mine:power=7")),
         (plugin, "time-limit", ("--time-limit", "0")),
     ):
-        result = run(path, *arguments, code=2)
+        result = run("plugin", "check", path, *arguments, code=2)
         assert words in result.stderr
         assert result.stdout == ""
         if arguments[:1] != ("--time-limit",):  # of which typer makes some lines
@@ -398,12 +386,11 @@ def test_a_spec_chooses_the_configuration(tmp_path: Path) -> None:
 
 def test_what_a_plugin_prints_does_not_reach_the_document(tmp_path: Path) -> None:
     prints = in_place("filled", 'if (range->pixel_x == 256) { write(1, "noise", 5); write(2, "noise", 5); }')
-    result = run(compiled(tmp_path, GOOD, prints), "--json", code=0)
+    result = separately("plugin", "check", compiled(tmp_path, GOOD, prints), "--json")
     assert json.loads(result.stdout)["holds"] is True
     assert result.stderr == ""
 
 
 def test_help_has_an_example() -> None:
     for words in (["plugin", "--help"], ["plugin", "check", "--help"]):
-        command = [sys.executable, "-m", "aliascope.cli", *words]
-        assert "Example: aliascope plugin check" in subprocess.run(command, capture_output=True, text=True).stdout
+        assert "Example: aliascope plugin check" in run(*words).stdout

@@ -8,25 +8,17 @@ import os
 import shlex
 import sqlite3
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from commands import run, separately
 
 from aliascope.image import read_header, read_image
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "csrc" / "plugins" / "kronecker.c"
-COMMAND = [sys.executable, "-m", "aliascope.cli"]
-
-
-def run(*arguments: str | Path, code: int = 0) -> subprocess.CompletedProcess[str]:
-    result = subprocess.run([*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=120, check=False)
-    assert result.returncode == code, result.stdout + result.stderr
-    assert "Traceback" not in result.stderr
-    return result
 
 
 @pytest.fixture(scope="module")
@@ -57,25 +49,18 @@ def compiled(folder: Path, prefix: Path, name: str, *changes: tuple[str, str]) -
 def test_a_plugin_is_in_every_list_table_and_plot(tmp_path: Path, installed: Path) -> None:
     plugin = compiled(tmp_path, installed, "mine")
     points = np.loadtxt(
-        run("points", "mine:shift=0.25", "-n", "50", "--plugin", plugin).stdout.splitlines(), delimiter=","
+        separately("points", "mine:shift=0.25", "-n", "50", "--plugin", plugin).stdout.splitlines(), delimiter=","
     )
     expected = (0.25 + np.arange(50)[:, np.newaxis] * np.sqrt([2.0, 3.0])) % 1.0
     assert np.abs(points - expected).max() < 1e-13  # 50 sqrt(3) < 87, half an ulp of which is 7e-15
-    listed = json.loads(run("--plugin", plugin, "list", "samplers", "--json").stdout)["samplers"]
+    listed = json.loads(separately("--plugin", plugin, "list", "samplers", "--json").stdout)["samplers"]
     assert "mine" in {entry["name"] for entry in listed}
 
     out = tmp_path / "out"
-    mine = (
-        "-r",
-        "embree",
-        "-r",
-        "osmesa",
-        "-m",
-        "*sampler=mine*",
-        "-m",
-        "uniform:n=4,sampler=mine,sampler.shift=0.125",
-    )
-    document = json.loads(run("compare", "edge", *mine, "-o", out, f"--plugin={plugin}", "--json").stdout)
+    chosen = ("-m", "*sampler=mine*", "-m", "uniform:n=4,sampler=mine,sampler.shift=0.125")
+    small = ("--size", "64x48")
+    mine = ("-r", "embree", "-r", "osmesa", *chosen, *small)
+    document = json.loads(separately("compare", "edge", *mine, "-o", out, f"--plugin={plugin}", "--json").stdout)
     modes = {row["mode"]: row["metrics"]["rmse"] for row in document["rows"]}
     assert set(modes) == {
         "uniform:sampler=mine",
@@ -103,13 +88,27 @@ def test_a_plugin_is_in_every_list_table_and_plot(tmp_path: Path, installed: Pat
         assert words[words.index("--plugin") + 1] == str(plugin)
     again = tmp_path / "again.exr"
     assert (words[0], words[words.index("-o") + 1]) == ("aliascope", "out.exr")
-    run(*words[1:], "-o", again)
+    separately(*words[1:], "-o", again)
     assert np.array_equal(read_image(again), read_image(out / path))
 
     # What names no sampler of the plugin is what it is without: its pictures are those that are there already.
-    plain = ("compare", "edge", "-m", "uniform:n=4", "-m", "none", "-m", "accumulate:n=4", "-o", out, "--json")
+    plain = (
+        "compare",
+        "edge",
+        "-m",
+        "uniform:n=4",
+        "-m",
+        "none",
+        "-m",
+        "accumulate:n=4",
+        "--size",
+        "64x48",
+        "-o",
+        out,
+        "--json",
+    )
     first = json.loads(run(*plain).stdout)
-    second = json.loads(run(*plain, "--plugin", plugin).stdout)
+    second = json.loads(separately(*plain, "--plugin", plugin).stdout)
     assert first["reused"] == 0
     assert (second["rendered"], second["reused"]) == (0, first["rendered"])
     with sqlite3.connect(out / "results.sqlite") as database:
@@ -119,7 +118,7 @@ def test_a_plugin_is_in_every_list_table_and_plot(tmp_path: Path, installed: Pat
     # Another build of the same name is another sampler: its pictures are made again.
     (tmp_path / "again").mkdir()
     changed = compiled(tmp_path / "again", installed, "mine", ("{2, 3, 5,", "{3, 2, 5,"))
-    again = json.loads(run("compare", "edge", *mine, "-o", out, "--plugin", changed, "--json").stdout)
+    again = json.loads(separately("compare", "edge", *mine, "-o", out, "--plugin", changed, "--json").stdout)
     assert (again["rendered"], again["reused"]) == (9, 0)
 
 
@@ -158,15 +157,22 @@ def test_missing_plugins_and_files_that_are_no_libraries(tmp_path: Path) -> None
     run("list", "samplers", "--plugin", code=2)
 
 
-@pytest.mark.parametrize("value", ["1.0", "-0.001", "(0.0 / 0.0)", "(1.0 / 0.0)"])
-def test_values_outside_the_unit_interval_are_an_error(tmp_path: Path, installed: Path, value: str) -> None:
-    plugin = compiled(tmp_path, installed, "wild", ("value >= 1.0 ? value - 1.0 : value", value))
-    assert "outside [0, 1)" in run("points", "wild", "-n", "4", "--plugin", plugin, code=4).stderr
-    modes = ("-m", "uniform:sampler=wild", "-m", "uniform:n=1,sampler=regular")
-    out = run("compare", "edge", *modes, "-o", tmp_path / "out", "--plugin", plugin, "--json", code=4).stdout
+BAD = {"0": "1.0", "0.25": "-0.001", "0.5": "(0.0 / 0.0)", "0.75": "(1.0 / 0.0)"}
+"""What is no value of a sampler, by the shift for which the plugin gives it."""
+
+
+def test_values_outside_the_unit_interval_are_an_error(tmp_path: Path, installed: Path) -> None:
+    choice = "".join(f"state->shift == {shift} ? {value} : " for shift, value in BAD.items()) + "0.5"
+    plugin = compiled(tmp_path, installed, "wild", ("value >= 1.0 ? value - 1.0 : value", choice))
+    for shift in BAD:
+        points = separately("points", f"wild:shift={shift}", "-n", "4", "--plugin", plugin, code=4)
+        assert "outside [0, 1)" in points.stderr
+    modes = [f"uniform:sampler=wild,sampler.shift={shift}" for shift in BAD] + ["uniform:n=1,sampler=regular"]
+    words = [word for mode in modes for word in ("-m", mode)]
+    out = separately("compare", "edge", *words, "-o", tmp_path / "out", "--plugin", plugin, "--json", code=4).stdout
     document: dict[str, Any] = json.loads(out)
-    assert (document["pictures"], document["failed"]) == (1, 1)
-    assert "outside [0, 1)" in document["failures"][0]["message"]
+    assert (document["pictures"], document["failed"]) == (1, len(BAD))
+    assert all("outside [0, 1)" in failure["message"] for failure in document["failures"])
     command = document["failures"][0]["command"]
     assert command.endswith(f" --time-limit 120 --plugin {plugin}")
-    assert "outside [0, 1)" in run(*shlex.split(command)[1:], "-o", tmp_path / "o.exr", code=4).stderr
+    assert "outside [0, 1)" in separately(*shlex.split(command)[1:], "-o", tmp_path / "o.exr", code=4).stderr

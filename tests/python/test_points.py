@@ -12,12 +12,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from commands import complaint, run
 from matplotlib.figure import Figure
 from matplotlib.image import imread
-from test_cli import complaint, run
 
 import aliascope
-from aliascope import point_sets
 from aliascope.studies import point_pictures as pictures
 
 
@@ -51,7 +50,7 @@ def test_statistics_are_those_of_the_points() -> None:
 def test_statistics_are_averaged_over_seeds_that_follow() -> None:
     found = document("jittered", "-n", "16", "--seed", str(2**64 - 2), "--statistics", "--realisations", "3")
     seeds = (2**64 - 2, 2**64 - 1, 0)
-    each = [point_sets.minimum_distance(aliascope.points("jittered", 16, seed=seed)) for seed in seeds]
+    each = [aliascope.discrepancy("jittered", "min-distance", n=16, seed=seed).value for seed in seeds]
     assert found["statistics"]["minimum-distance"] == pytest.approx(np.mean(each), rel=1e-12)
     error = found["details"]["standard-errors"]["minimum-distance"]
     assert error == pytest.approx(np.std(each, ddof=1) / np.sqrt(3), rel=1e-9)
@@ -80,10 +79,10 @@ def test_the_table_of_statistics() -> None:
     lines = run("points", "random", "-n", "5", "--statistics", "--realisations", "2").stdout.splitlines()
     assert lines[0] == "random: 5 points, dimensions 0, 1; mean of 2 realisations"
     assert " +- " in lines[1]
-    assert lines[-1].split(maxsplit=2) == ["t-value", "none", "a net in base 2 has a power of 2 points; 5 is none"]
+    assert lines[-1].split(maxsplit=2) == ["t-value", "none", "a net in base 2 has a power of 2 points; these are 5"]
     lines = run("points", "random", "-n", "1", "--statistics").stdout.splitlines()
     assert lines[0] == "random: 1 point, dimensions 0, 1; one realisation"
-    assert lines[1].endswith("one point has no distance to another")
+    assert lines[1].endswith("min-distance is of two points or more; this is one")
 
 
 # --- spectrum ---------------------------------------------------------------------------------------------------------
@@ -150,15 +149,8 @@ def test_points_of_a_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "content", "says"),
     [
-        ("a.csv", "0.1,0.2\n0.3\n", "no table of numbers"),
-        ("a.csv", "x,y\n0.1,0.2\n", "no table of numbers"),
-        ("a.csv", "", "shape"),
-        ("a.csv", "0.1,0.2\n0.5,1.0\n", "point 1 is not in [0, 1): 0.5, 1"),
-        ("a.csv", "0.1,nan\n", "point 0 is not in [0, 1)"),
-        ("a.csv", "\udcff\udcfe\n", "no table of numbers"),
-        ("a.npy", "no array", "no table of numbers"),
-        ("a.npy", "", "no table of numbers"),
-        ("a.txt", "0.1,0.2\n", ".csv or .npy"),
+        ("a.csv", "0.1,0.2\n0.3\n", "a.csv:2: has 1 column"),
+        ("a.npy", "no array", "is no .npy file"),
         ("b.csv", None, "cannot be read"),
     ],
 )
@@ -166,6 +158,13 @@ def test_files_that_hold_no_points(tmp_path: Path, name: str, content: str | Non
     if content is not None:
         (tmp_path / name).write_bytes(content.encode("utf-8", "surrogateescape"))
     assert says in complaint("points", tmp_path / name, code=2)
+
+
+def test_statistics_are_of_a_torus_without_its_far_border(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("0.1,0.2\n0.5,1.0\n")
+    assert document(tmp_path / "a.csv")["points"] == [[0.1, 0.2], [0.5, 1.0]]
+    for option in ("--statistics", "--spectrum"):
+        assert "point 1 is not in [0, 1): 0.5, 1" in complaint("points", tmp_path / "a.csv", option, code=2)
 
 
 def test_points_that_a_file_does_not_have(tmp_path: Path) -> None:
@@ -204,7 +203,7 @@ def test_options_that_make_no_sense(options: tuple[str, ...], says: str, tmp_pat
 
 def test_a_sampler_needs_n() -> None:
     assert "-n is missing" in complaint("points", "random", code=2)
-    assert "one point" not in complaint("points", "jittered", "-n", "12", "--statistics", code=2)
+    assert "two points" not in complaint("points", "jittered", "-n", "12", "--statistics", code=2)
 
 
 def test_json_comes_beside_a_file(tmp_path: Path) -> None:

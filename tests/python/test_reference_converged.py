@@ -147,11 +147,15 @@ def test_the_header_says_how_it_was_made(folder: Path) -> None:
 
 
 def test_progress_is_told_and_leaves_no_trace() -> None:
-    told: list[tuple[int, int]] = []
-    plan = Plan(samples=4, replicates=3, tell=lambda done, total: told.append((done, total)))
-    quiet = dataclasses.replace(plan, tell=lambda done, total: None)
-    found, silent = (make(stored("spheres"), SIZE, "box", each) for each in (plan, quiet))
-    assert told == [(0, 3), (1, 3), (2, 3)]
+    told: list[tuple[int, int, float | None]] = []
+    plan = Plan(samples=4, replicates=3, tell=lambda *what: told.append(what))
+    quiet = dataclasses.replace(plan, tell=lambda done, total, standard_error: None)
+    found, silent, two = (
+        make(stored("spheres"), SIZE, "box", each) for each in (plan, quiet, dataclasses.replace(quiet, replicates=2))
+    )
+    assert [each[:2] for each in told] == [(0, 3), (1, 3), (2, 3)]
+    assert (told[0][2], told[1][2]) == (None, None)
+    assert told[2][2] == pytest.approx(two.standard_error_rms, rel=1e-12)
     assert np.array_equal(found.pixels, silent.pixels)
     assert found.provenance == silent.provenance
     assert plan == quiet

@@ -4,19 +4,33 @@ from __future__ import annotations
 
 import sys
 
+# Each registers its commands.
 from aliascope.cli import (
     about,
     comparing,
     estimating,
+    filtering,
     integrating,
     pictures,
     plugins,
     sampling,
-)  # each registers its commands
+    teaching,
+)
 from aliascope.cli.shared import app
 from aliascope.errors import AliascopeError, NotWritable
 
-__all__ = ["about", "comparing", "estimating", "integrating", "main", "pictures", "plugins", "sampling"]
+__all__ = [
+    "about",
+    "comparing",
+    "estimating",
+    "filtering",
+    "integrating",
+    "main",
+    "pictures",
+    "plugins",
+    "sampling",
+    "teaching",
+]
 
 
 def _plugins_first(words: list[str]) -> list[str]:

@@ -9,16 +9,19 @@ import typer
 from aliascope.cli.shared import Json, app, print_json
 from aliascope.errors import InvalidInput, near_misses
 
+# The keys of studies.lists.LISTS, which takes the renderers' modules with it; a test holds them equal.
+LISTED = (
+    *("scenes", "renderers", "modes", "samplers", "measures", "filters", "weightings", "metrics", "integrands"),
+    "estimators",
+)
+
 
 @app.command("list", epilog="Example: aliascope list modes")
 def list_(
-    what: Annotated[
-        str,
-        typer.Argument(metavar="scenes|renderers|modes|samplers|measures|filters|metrics|integrands|estimators"),
-    ],
+    what: Annotated[str, typer.Argument(metavar="|".join(LISTED), help="What to list.")],
     as_json: Json = False,
 ) -> None:
-    """List what there is: scenes, renderers, modes, samplers, measures, filters, metrics, integrands or estimators."""
+    """List what there is, as it would stand in a spec."""
     from aliascope.studies.lists import LISTS
 
     if what not in LISTS:

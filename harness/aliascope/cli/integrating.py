@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -45,7 +45,6 @@ def integrate(
     of error ~ N^r, fitted to one N an octave, with a 95 % interval; errors that are rounding are left out of it.
     Theory: "~" an order that is reached, "<=" a bound, blank where nothing is proved.
     """
-    from aliascope.integration import LEAST_N, MOST_N
     from aliascope.integration import integrate as measure
     from aliascope.studies import integrate as study
     from aliascope.studies.progress import progress_bar
@@ -61,8 +60,7 @@ def integrate(
             study.expand(sampler) if sampler else None,
             d or 2,
             realisations=realisations,
-            least_n=least_n or min(LEAST_N, most_n or LEAST_N),
-            most_n=most_n or max(MOST_N, least_n or MOST_N),
+            **study.span(least_n, most_n),
             seed=seed,
             shift=shift,
             variation=variation,
@@ -71,11 +69,7 @@ def integrate(
     study.check_all_there(found, sampler or [])
     if out is not None:
         study.write(out, found)
-    if as_json:
-        print_json(study.document(found))
-        return
-    for line in study.lines(found, variation):
-        typer.echo(line)
+    _print(study.document(found) if as_json else study.lines(found, variation))
 
 
 def _lecture(others: object, out: Path | None, realisations: int, seed: int, as_json: bool) -> None:
@@ -89,9 +83,11 @@ def _lecture(others: object, out: Path | None, realisations: int, seed: int, as_
     with progress_bar() as tell:
         made = study.make(realisations, seed, tell)
     paths = study.write(out, made)
-    if as_json:
-        print_json(study.document(made))
-        return
-    for line in study.lines(made):
-        typer.echo(line)
-    typer.echo(f"{paths[0]}")
+    _print(study.document(made) if as_json else [*study.lines(made), f"{paths[0]}"])
+
+
+def _print(answer: dict[str, Any] | list[str]) -> None:
+    if isinstance(answer, dict):
+        print_json(answer)
+    else:
+        typer.echo("\n".join(answer))

@@ -13,7 +13,13 @@ from aliascope.cli.shared import Json, Seed, app, print_json
 from aliascope.errors import InvalidInput
 
 Source = Annotated[
-    str, typer.Argument(metavar="SAMPLER|FILE", help="Spec; see aliascope list samplers. Or a .csv or .npy file.")
+    str,
+    typer.Argument(
+        metavar="SAMPLER|FILE",
+        help="A spec (aliascope list samplers). Or a file, whose name has a slash or a suffix: .npy, or text of one "
+        "point a line, its columns parted by commas, semicolons, tabs or blanks, its first line names or not, # before "
+        "comments; - is such text from standard input.",
+    ),
 ]
 Count = Annotated[int | None, typer.Option("-n", min=1, max=2**53, help="How many points.")]
 Dimensions = Annotated[int | None, typer.Option("-d", min=1, max=65536, help="Dimensions of the pattern, 2.")]
@@ -95,10 +101,28 @@ def discrepancy(
     projections: Annotated[
         bool, typer.Option("--projections", help="Of every two-dimensional projection, instead.")
     ] = False,
-    out: Annotated[Path | None, typer.Option("-o", metavar="FILE", help="A .svg or .png: n(x, y)/N - xy.")] = None,
+    orders: Annotated[
+        bool,
+        typer.Option(
+            "--orders", help="How star falls with N, from 16 to n points, instead: as log^d N / N, N^-1/2, ..."
+        ),
+    ] = False,
+    realisations: Annotated[
+        int | None,
+        typer.Option(min=1, max=10000, help="Seeds of --orders to average, 16 if the pattern is randomised."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", metavar="FILE", help="A .svg or .png: n(x, y)/N - xy; or the orders.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Measure the discrepancy of points: how far counts in boxes, half-planes, ... are from areas."""
+    if orders:
+        _orders(source, n, d, seed, bool(measure or projections), realisations, out, as_json)
+        return
+    if realisations is not None:
+        raise InvalidInput("--realisations needs --orders")
+    from aliascope.point_sets import measure_all
     from aliascope.studies import discrepancy as study
     from aliascope.studies.delta import draw
     from aliascope.studies.point_source import open_source
@@ -112,7 +136,7 @@ def discrepancy(
         document |= {"projections": rows}
         lines = [f"{a}, {b}  {line}" for a, b, measured in found for line in study.lines(measured)]
     else:
-        measured = study.measure_all(points, specs, seed)
+        measured = measure_all(points, specs, seed)
         document |= study.document(measured)
         lines = study.lines(measured)
     if out is not None:
@@ -121,4 +145,57 @@ def discrepancy(
         print_json(document)
     else:
         for line in lines:
+            typer.echo(line)
+
+
+def _orders(
+    source: str,
+    n: int | None,
+    d: int | None,
+    seed: int,
+    more: bool,
+    realisations: int | None,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    from aliascope.studies import orders as study
+    from aliascope.studies.point_source import is_file
+    from aliascope.studies.progress import progress_bar
+
+    if more:
+        raise InvalidInput("--orders are those of star: neither --measure nor --projections")
+    if is_file(source):
+        raise InvalidInput(f"{source}: --orders are those of a sampler; a file has one number of points")
+    if out is not None:
+        from aliascope.studies.order_picture import check, draw
+
+        check(out)  # before the seconds of measuring
+    with progress_bar() as tell:
+        found = study.measure_orders(source, d or 2, seed, n, realisations, tell)
+    if out is not None:
+        draw(out, found)
+    if as_json:
+        print_json(study.document(found))
+    else:
+        for line in study.lines(found):
+            typer.echo(line)
+
+
+@app.command("radical-inverse", epilog="Example: aliascope radical-inverse 3 -n 9")
+def radical_inverse(
+    base: Annotated[int, typer.Argument(metavar="BASE", min=2, max=2**53, help="Of the digits.")] = 2,
+    n: Annotated[int, typer.Option("-n", min=1, max=100_000, help="From 1 to which number.")] = 5,
+    as_json: Json = False,
+) -> None:
+    """Print numbers, their digits in a base, the digits reversed, and the fraction that these are after the point.
+
+    Digits above 9 are letters; above base 36 each digit is a decimal number, with colons between them.
+    """
+    from aliascope.studies import radical_inverse as study
+
+    rows = study.table(base, n)
+    if as_json:
+        print_json(study.document(base, rows))
+    else:
+        for line in study.lines(rows):
             typer.echo(line)

@@ -14,7 +14,19 @@ from aliascope.integration.theory import Theory, theory
 from aliascope.native import samplers
 from aliascope.statistics import FittedRate, fit_rate
 
-__all__ = ["Convergence", "ErrorAt", "FittedRate", "Integration", "KoksmaHlawka", "Pattern", "Theory", "integrate"]
+__all__ = [
+    "LEAST_N",
+    "MOST_N",
+    "Convergence",
+    "ErrorAt",
+    "FittedRate",
+    "Integration",
+    "KoksmaHlawka",
+    "Pattern",
+    "Theory",
+    "counts",
+    "integrate",
+]
 
 LEAST_N, MOST_N, REALISATIONS = 16, 4096, 64
 MOST_POINTS = 1 << 24

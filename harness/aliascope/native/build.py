@@ -23,6 +23,7 @@ MODULES = {
         [
             "aliascope/plugin.h",
             "aliascope/filter.h",
+            "aliascope/uneven.h",
             "aliascope/discrepancy.h",
             "aliascope/warp.h",
             "aliascope/estimate.h",

@@ -38,6 +38,19 @@ class Measured:
     witness: tuple[float, ...]
     closed: bool
 
+    @property
+    def details(self) -> dict[str, Any]:
+        """What there is beside the value, as `--json` has it: the certainty; and bounds, a standard error, where an
+        extreme is met and whether its border is counted in, if the measure has them."""
+        details: dict[str, Any] = {"certainty": self.certainty}
+        if self.certainty == "bounds":
+            details |= {"lower": self.lower, "upper": self.upper}
+        if self.certainty == "estimated":
+            details["standard_error"] = self.standard_error
+        if self.witness:
+            details |= {"witness": list(self.witness), "border": "closed" if self.closed else "open"}
+        return details
+
 
 def measure(spec: str, points: ArrayLike, seed: int = 0) -> Measured:
     """A measure of points, (n, dimensions) in [0, 1].

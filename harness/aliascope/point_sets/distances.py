@@ -1,30 +1,10 @@
-"""The distance of the nearest two points."""
+"""How far apart points can be."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
-
-import numpy as np
 
 from aliascope.errors import Unsupported
-from aliascope.point_sets.arrays import checked
-
-
-def minimum_distance(points: Any, toroidal: bool = True) -> float:
-    """The least Euclidean distance of two of the points (n, d), over the borders of the unit cube too if `toroidal`.
-
-    Two points at the same place have 0. A k-d tree: about n log n in few dimensions, n^2 in many. Raises InvalidInput;
-    Unsupported for a single point.
-    """
-    from scipy.spatial import cKDTree  # takes half a second to load, and most commands measure no points
-
-    values = checked(points)
-    if len(values) < 2:
-        raise Unsupported("one point has no distance to another")
-    tree = cKDTree(values, boxsize=np.ones(values.shape[1])) if toroidal else cKDTree(values)
-    distances, _ = tree.query(values, k=2)
-    return float(np.asarray(distances)[:, 1].min())
 
 
 def densest_distance(n: int, dimensions: int = 2) -> float:

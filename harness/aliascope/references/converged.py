@@ -38,6 +38,9 @@ ROUNDING = 2.0**-24
 
 Render = Callable[[int], Pixels]
 """A picture from a seed."""
+Tell = Callable[[int, int, float | None], None]
+"""Told how many of how many replicates are done, and the standard error of their mean, rms over pixels and channels;
+None for fewer than two."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +52,7 @@ class Plan:
     sampler: str = "sobol:scramble=shift"
     first_seed: int = 1 << 40
     threads: int = 1
-    tell: Callable[[int, int], None] = field(default=lambda done, total: None, compare=False, repr=False)
-    """Told how many of how many replicates are done."""
+    tell: Tell = field(default=lambda done, total, standard_error: None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if self.replicates < 2:
@@ -87,15 +89,39 @@ def renderer(scene: Scene, size: tuple[int, int], filter_: str, plan: Plan) -> R
     return lambda seed: built.render(plan.sampler, plan.samples, seed, plan.threads, filter_)[0]
 
 
+class _Squares:
+    """The standard error of the pictures so far, for who waits: Welford's update, on differences from the first."""
+
+    def __init__(self) -> None:
+        self._count, self._first, self._mean, self._sum = 0, np.zeros(()), np.zeros(()), 0.0
+
+    def add(self, picture: Pixels) -> None:
+        self._count += 1
+        if self._count == 1:
+            self._first = picture.astype(np.float64)
+        with np.errstate(over="ignore", invalid="ignore"):  # `estimate` refuses what is not finite
+            moved = picture - self._first
+            before = moved - self._mean
+            self._mean = self._mean + before / self._count
+            self._sum += float((before * (moved - self._mean)).mean())
+
+    @property
+    def standard_error(self) -> float | None:
+        n = self._count
+        return float(np.sqrt(self._sum / (n * (n - 1)))) if n > 1 else None
+
+
 def estimate(render: Render, plan: Plan) -> tuple[Estimate, Array]:
     """Mean and standard error of the plan's pictures, and these, (R, height, width, 3) float64.
 
     Sums of squares are of differences from the mean. Raises Unsupported for values that are not finite.
     """
-    rendered = []
+    rendered: list[Pixels] = []
+    squares = _Squares()
     for number in range(plan.replicates):
-        plan.tell(number, plan.replicates)
+        plan.tell(number, plan.replicates, squares.standard_error)
         rendered.append(render(plan.first_seed + number))
+        squares.add(rendered[-1])
     pictures = np.array(rendered, dtype=np.float64)
     if not np.isfinite(pictures).all():
         raise Unsupported("the scene is brighter than float32 holds")

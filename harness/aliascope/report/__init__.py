@@ -11,13 +11,12 @@ from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 
-from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from aliascope.records import ReportData, SceneSection
 from aliascope.report.document import document, script_json
 from aliascope.report.encode import PictureStore
-from aliascope.report.files import digest, source, write_text
+from aliascope.report.files import digest, environment, source, write_text
 from aliascope.report.filters import FREQUENCIES, Response, filter_responses, filters_csv, filters_json
 from aliascope.report.plots import Plot, colours, plot_csv, plot_svg, plots_of, spectrum_name
 from aliascope.report.signal_plots import filters_svg, spectrum_svg
@@ -75,9 +74,9 @@ def _page(data: ReportData, spectra: Sequence[SceneSpectra], filters: Sequence[R
     style = source("page.css")
     body = "\n".join(source(name) for name in SCRIPTS)
     script = f'(() => {{\n"use strict";\n{body}\n}})();\n'
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters["figures"] = _figures
-    return environment.from_string(source("page.html")).render(
+    pages = environment()
+    pages.filters |= {"figures": _figures, "signed": _signed, "power_of_ten": _power_of_ten}
+    return pages.from_string(source("page.html")).render(
         data=data,
         started=_date(data.started),
         wall=_duration(data.wall_seconds),
@@ -142,6 +141,22 @@ def _duration(seconds: float) -> str:
 def _figures(value: float) -> str:
     """Three significant digits."""
     return f"{value:.3g}"
+
+
+def _signed(value: float) -> str:
+    """Four decimals and the sign; of what rounds to 0 neither."""
+    text = f"{value:+.4f}".replace("-", "\u2212")
+    return text if text.strip("+\u22120.") else "0.0000"
+
+
+def _power_of_ten(value: float) -> str:
+    """Two significant digits, "6.1 × 10⁻⁶"; one where the other is 0, and a power alone where that is 1."""
+    if value == 0.0:
+        return "0"
+    mantissa, power = f"{value:.1e}".split("e")
+    digits = str(int(power)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    short = mantissa.removesuffix(".0")
+    return f"10{digits}" if short == "1" else f"{short}\u202f×\u202f10{digits}"
 
 
 def _quanta(data: ReportData) -> list[tuple[str, list[float]]]:

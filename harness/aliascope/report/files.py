@@ -1,4 +1,4 @@
-"""What pages are made of and how files are written: each whole or not at all."""
+"""The files of a page: the sources that it is made of, and writing what it comes to."""
 
 from __future__ import annotations
 
@@ -9,11 +9,18 @@ import os
 from importlib.resources import files
 from pathlib import Path
 
+from jinja2 import Environment, StrictUndefined
+
 from aliascope.errors import NotWritable
 
 
+def environment() -> Environment:
+    """That of all pages: escapes, and knows no silence about a missing value."""
+    return Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+
+
 def source(name: str) -> str:
-    """The text of a file that lies beside this one."""
+    """The text of a file of this package."""
     return files("aliascope.report").joinpath(name).read_text(encoding="utf-8")
 
 
@@ -23,7 +30,7 @@ def digest(text: str) -> str:
 
 
 def write_text(path: Path, text: str) -> Path:
-    """Writes a file, in a folder that is made; returns its path. Raises NotWritable."""
+    """Writes a text file whole or not at all, making its folder. Raises NotWritable."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

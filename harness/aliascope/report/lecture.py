@@ -6,10 +6,9 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup, escape
 
-from aliascope.report.files import source
+from aliascope.report.files import environment, source
 from aliascope.report.inline_svg import inline
 
 
@@ -55,10 +54,10 @@ class Page:
 def page_html(page: Page) -> str:
     """The text of the page."""
     style = source("page.css") + source("lecture.css")
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters["formula"] = formula
+    pages = environment()
+    pages.filters["formula"] = formula
     # The plots' own style attributes are many and differ, so styles are allowed; scripts and loads are not.
-    return environment.from_string(source("lecture.html")).render(
+    return pages.from_string(source("lecture.html")).render(
         page=page,
         plots={figure.name: Markup(inline(figure.svg, figure.name)) for figure in page.figures},
         style=Markup(style),
@@ -69,6 +68,6 @@ def page_html(page: Page) -> str:
 def formula(text: str) -> Markup:
     """Text with its powers and indices set as such, and signs for "<=", "~" and the minus of a number."""
     safe = str(escape(text))
-    safe = re.sub(r"\^\(?(-?[\d./d]+)\)?", r"<sup>\1</sup>", safe)
+    safe = re.sub(r"\^\(?(-?[\d./d]*[\dd])\)?", r"<sup>\1</sup>", safe)
     safe = safe.replace("D_N", "D<sub>N</sub>").replace("&lt;=", "≤").replace("~ N", "∼ N")
     return Markup(re.sub(r"(?<![\w-])-(?=[\d.])", "\u2212", safe))

@@ -45,6 +45,10 @@ function efficiencyOf(row) {
   return [value, relative === null ? null : value * relative];
 }
 
+/** Whether figures [value, standard error] cannot be told apart: as `told_apart` of statistics.py has it. */
+const tellingErrors = 2;
+const alike = ([a, aError], [b, bError]) => Math.abs(a - b) <= tellingErrors * Math.hypot(aError ?? 0, bError ?? 0);
+
 /** The rows that no other beats in both time and badness, by rising time. Those that lack a scene don't take part. */
 function paretoFront(rows, metric) {
   const points = rows

@@ -139,7 +139,9 @@ def svg_of(draw: Callable[[Figure], None], inches: tuple[float, float]) -> str:
 
 def settle(figure: Figure) -> None:
     """Takes the layout as it is, rounded: its solver's last digits differ from run to run, and an SVG would show it."""
-    figure.draw_without_rendering()
+    engine = figure.get_layout_engine()
+    assert engine is not None  # `svg_of` gave it one
+    engine.execute(figure)
     figure.set_layout_engine("none")
     for axes in figure.axes:
         axes.set_position(np.round(axes.get_position(original=True).bounds, 6).tolist())

@@ -1,4 +1,4 @@
-// The tables of modes: sorted by a click on their heads, the best of a column in bold, A and B chosen in their rows.
+// The tables of modes: sorted by a click on their heads, the best of a column in bold and what cannot be told from it, A and B chosen in their rows.
 
 const columns = [
   { key: "mode", title: () => "Mode" },
@@ -43,17 +43,27 @@ function sortedRows(rows, sort, metric) {
     .map(({ row }) => row);
 }
 
-/** The rows that are best in a column; none where all are alike. A time too short to be told is no figure. */
+/** The standard error of what a column sorts by. */
+function sortError(row, key, metric) {
+  switch (key) {
+    case "error": return estimateOf(row, metric.name)[1];
+    case "cpu": return row.cpu[1];
+    case "efficiency": return efficiencyOf(row)[1];
+    default: return null;
+  }
+}
+
+/** The rows that are best in a column, and those that cannot be told from it; none where all are alike. A time too
+ *  short to be told is no figure. */
 function bestOf(given, key, metric) {
-  const rows = key === "cpu" ? given.filter((row) => row.cpu[0] > 0) : given;
   const sign = key === "efficiency" ? -1 : 1;
-  const values = rows.map((row) => sortValue(row, key, metric)).filter((value) => value !== null).map((v) => sign * v);
-  const least = Math.min(...values);
-  if (new Set(values).size < 2) return new Set();
-  return new Set(rows.filter((row) => {
-    const value = sortValue(row, key, metric);
-    return value !== null && sign * value === least;
-  }));
+  const found = given
+    .filter((row) => key !== "cpu" || row.cpu[0] > 0)
+    .map((row) => ({ row, figure: [sortValue(row, key, metric), sortError(row, key, metric)] }))
+    .filter(({ figure }) => figure[0] !== null);
+  if (new Set(found.map(({ figure }) => figure[0])).size < 2) return new Set();
+  const best = found.reduce((a, b) => (sign * b.figure[0] < sign * a.figure[0] ? b : a)).figure;
+  return new Set(found.filter(({ figure }) => figure[0] === best[0] || alike(figure, best)).map(({ row }) => row));
 }
 
 class ModeTable {
@@ -61,7 +71,9 @@ class ModeTable {
   constructor(host, rows, caption, picks) {
     Object.assign(this, { rows, caption, picks });
     this.table = h("table", { class: "modes", click: (event) => this.click(event) });
-    host.append(h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": caption }, this.table));
+    host.append(
+      h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": caption }, this.table),
+      h("p", { class: "note" }, "Bold: the best of a column, and what its uncertainty does not tell from it."));
     this.draw();
   }
 

@@ -23,7 +23,10 @@ from aliascope.report import write_report
 from aliascope.specs import family, label
 from aliascope.statistics import mean, root_mean_square
 from aliascope.store import Store
+from aliascope.studies import probes
 from aliascope.studies.headlines import headlines
+from aliascope.studies.progress import converging
+from aliascope.workers import Workers
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,8 @@ def compare(
     progress: Progress,
     tell: Callable[[str], None],
 ) -> Comparison:
-    """Renders what `folder` does not have yet, and writes results and report there. `tell` says what takes time before.
+    """Renders what `folder` does not have yet, and writes results and report there. `tell` is given what a user has to
+    know, `progress` what takes time.
 
     Raises CheckFailed for a scene of the project without its reference, Unsupported for a scene that nothing draws,
     NotWritable for the folder.
@@ -52,21 +56,24 @@ def compare(
     begun, started = time.perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
     sizes = {pipeline.judged_by(job): (job.width, job.height) for job in plan.jobs}
     check_drawn(plan)
-    judged = {key: reference_of(plan, key, size, folder / "references", tell) for key, size in sizes.items()}
+    kept = folder / "references"
+    judged = {key: reference_of(plan, key, size, kept, progress, tell) for key, size in sizes.items()}
     with Store(folder / "results.sqlite") as store:
         _check_writable(folder)
         versions = {**plan.versions, **plan.plugins}
         store.begin_run(started, command, places.revision(), places.machine(), versions)
         pixels = {key: reference.pixels for key, reference in judged.items()}
         try:
-            outcomes, reused = pipeline.execute(plan, folder, store, pixels, options, progress)
+            with Workers(options.processes) as workers:
+                outcomes, reused = pipeline.execute(plan, folder, store, pixels, options, progress, workers)
+                probed = probes.of_those_that_drew(outcomes.values(), plan.skipped, store, options, progress, workers)
         except KeyboardInterrupt as error:
             raise Interrupted("interrupted; what was finished is kept, and the same command goes on from it") from error
     # The box first: it is what all three renderers have.
     order = sorted(judged, key=lambda key: (list(plan.files).index(key[0]), key[1] != "box", key[1]))
     sections = tuple(_section(plan, key, judged[key], outcomes, folder) for key in order)
     data = ReportData(
-        title="aliascope compare",
+        title=f"aliascope compare, {plan.about}" if plan.about else "aliascope compare",
         started=started,
         wall_seconds=time.perf_counter() - begun,
         pictures=sum(outcome.status == "done" for outcome in outcomes.values()),
@@ -85,6 +92,8 @@ def compare(
         metrics=metrics.ABOUT,
         skipped=plan.skipped,
         undrawn=tuple(cell for cell in plan.empty if (cell.scene, "box") not in judged),
+        probes=probed,
+        probe_limits=probes.LIMITS,
     )
     return Comparison(write_report(folder, data), data, len(outcomes) - reused, outcomes)
 
@@ -113,7 +122,12 @@ def _check_writable(folder: Path) -> None:
 
 
 def reference_of(
-    plan: Plan, key: tuple[str, str], size: tuple[int, int], folder: Path, tell: Callable[[str], None]
+    plan: Plan,
+    key: tuple[str, str],
+    size: tuple[int, int],
+    folder: Path,
+    progress: Progress,
+    tell: Callable[[str], None],
 ) -> Reference:
     """The kept reference of a scene of the project at its own size, of a filter that the profiles judge. Any other is
     made now and kept in `folder`: exact where there is a method, else converged."""
@@ -126,8 +140,10 @@ def reference_of(
             return reference_files.load(folder, name, file.scene, size, filter_)
         except CheckFailed as error:  # of an earlier version of the scene
             tell(str(error).partition("; ")[0])
-    tell(f"making the reference of {name}, {size[0]} x {size[1]} pixels, filter {filter_}")
-    made = references.make(file.scene, size, filter_, references.Plan(threads=os.cpu_count() or 1))
+    what = f"reference of {name}, {size[0]} x {size[1]} pixels, filter {filter_}"
+    progress(what, 0, 1)
+    converged = references.Plan(threads=len(os.sched_getaffinity(0)), tell=converging(what, progress))
+    made = references.make(file.scene, size, filter_, converged)
     reference_files.save(folder, name, file.scene, size, filter_, made)
     return made
 
@@ -209,6 +225,7 @@ def summary(result: Comparison, plan: Plan) -> dict[str, Any]:
         "skipped": dict(data.skipped),
         "empty": empty_cells(plan),
         "failures": [asdict(failure) for failure in data.failures],
+        "probes": [asdict(probe) for probe in data.probes],
         "rows": [_row_document(scene.name, row) for scene in data.scenes for row in scene.rows],
     }
 
@@ -250,6 +267,7 @@ def summary_lines(result: Comparison, plan: Plan) -> list[str]:
         for failure in data.failures
     ]
     lines += [f"skipped {name}: {reason}" for name, reason in data.skipped.items()]
+    lines += [warning for probe in data.probes if (warning := probes.warning_of(probe))]
     lines += empty_lines(plan)
     lines += data.headlines
     kept = f", {data.reused} of them from before" if data.reused else ""

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from aliascope.errors import InvalidInput, Unsupported
+from aliascope.errors import InvalidInput
 from aliascope.native import discrepancy
 from aliascope.native.discrepancy import Measured
+from aliascope.point_sets import Refused, measure_all
 
 Array = NDArray[np.float64]
 
@@ -34,70 +33,22 @@ def asked(texts: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(discrepancy.canonical(spec) for spec in found))
 
 
-def quick(n: int, d: int) -> list[str]:
-    """The measures that there are for n points in d dimensions within about a second each."""
-    return [
-        info.name
-        for info in discrepancy.registered()
-        if info.least_dimensions <= d <= info.most_dimensions and n <= info.quick_points
-    ]
-
-
-@dataclass(frozen=True)
-class Refused:
-    """A measure that these points do not have, and why."""
-
-    spec: str
-    reason: str
-
-
-def measure_all(points: Array, specs: Sequence[str], seed: int) -> list[Measured | Refused]:
-    """These measures of points (n, d), or the quick ones where none is named; of those some may not be had.
-
-    Raises Unsupported for a named one that cannot be had, and where no measure is quick.
-    """
-    if specs:
-        return [discrepancy.measure(spec, points, seed) for spec in specs]
-    found: list[Measured | Refused] = []
-    for name in quick(*points.shape):
-        try:
-            found.append(discrepancy.measure(name, points, seed))
-        except Unsupported as error:
-            found.append(Refused(name, str(error)))
-    if not found:
-        raise Unsupported(f"no measure is quick for {len(points)} points; choose with --measure")
-    return found
-
-
 def document(measured: Sequence[Measured | Refused]) -> dict[str, Any]:
     """The part "measures" and "details" of what --json prints."""
     return {
-        "measures": {one.spec: one.value if isinstance(one, Measured) else None for one in measured},
-        "details": {one.spec: _details(one) for one in measured},
+        "measures": {one.spec: one.value for one in measured},
+        "details": {one.spec: one.details for one in measured},
     }
-
-
-def _details(one: Measured | Refused) -> dict[str, Any]:
-    if isinstance(one, Refused):
-        return {"reason": one.reason}
-    details: dict[str, Any] = {"certainty": one.certainty}
-    if one.certainty == "bounds":
-        details |= {"lower": _finite(one.lower), "upper": _finite(one.upper)}
-    if one.certainty == "estimated":
-        details["standard_error"] = _finite(one.standard_error)
-    if one.witness:
-        details |= {"witness": list(one.witness), "border": "closed" if one.closed else "open"}
-    return details
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def lines(measured: Sequence[Measured | Refused]) -> list[str]:
     """A line a measure: its name, its value, how certain that is, where an extreme is met."""
     width = max(len(one.spec) for one in measured)
     return [f"{one.spec:{width}}  {_said(one)}" for one in measured]
+
+
+WITHOUT_BORDER = frozenset({"dispersion", "min-distance"})
+"""Measures whose extreme is no set that points are counted in, with its border or without."""
 
 
 def _said(one: Measured | Refused) -> str:
@@ -109,7 +60,9 @@ def _said(one: Measured | Refused) -> str:
     if one.certainty == "estimated":
         text += f"  +- {one.standard_error:.2g}"
     if one.witness:
-        text += f"  at {', '.join(f'{x:.6g}' for x in one.witness)}, {'closed' if one.closed else 'open'}"
+        text += f"  at {', '.join(f'{x:.6g}' for x in one.witness)}"
+        if one.spec.split(":")[0] not in WITHOUT_BORDER:
+            text += ", closed" if one.closed else ", open"
     return text
 
 

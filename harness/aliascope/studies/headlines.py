@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from aliascope.records import Estimate, ModeRow, SceneSection
 from aliascope.report.pool import Curve, in_common, pool, under_one_filter
-from aliascope.statistics import rate
+from aliascope.statistics import Rate, mean, rate, told_apart
 
 TARGETS = (0.01, 0.02, 0.05, 0.1, 0.2)
 
@@ -34,12 +34,26 @@ def _to_reach(scenes: Sequence[SceneSection]) -> str:
         able = [mode for mode in own if _rmse(mode) <= target]
         if able:
             fastest = min(able, key=lambda mode: _value(mode.cpu_seconds))
-            parts.append(f"{renderer} {_time(fastest.cpu_seconds)} ({fastest.label})")
+            alike = _alike(fastest, able, lambda mode: mode.cpu_seconds)
+            parts.append(f"{renderer} {_time(fastest.cpu_seconds)} ({fastest.label}{alike})")
         else:
             best = min(own, key=_rmse)
-            parts.append(f"{renderer} cannot (its best is {_figure(best.metrics['rmse'])}, {best.label})")
+            alike = _alike(best, own, lambda mode: mode.metrics["rmse"])
+            parts.append(f"{renderer} cannot (its best is {_figure(best.metrics['rmse'])}, {best.label}{alike})")
     over = f"the scene {common[0].name}" if len(common) == 1 else f"{len(common)} scenes"
     return f"CPU time a picture to reach an RMSE of {target:g} over {over}: {'; '.join(parts)}."
+
+
+def _alike(best: Curve, modes: Iterable[Curve], figure: Callable[[Curve], Estimate]) -> str:
+    """Which modes cannot be told from the best by this figure, the nearest by name."""
+    if _value(figure(best)) <= 0.0:  # too short a time to be told is no figure
+        return ""
+    alike = [mode for mode in modes if mode is not best and not told_apart(figure(mode), figure(best))]
+    if not alike:
+        return ""
+    nearest = min(alike, key=lambda mode: _value(figure(mode)))
+    more = f" and {len(alike) - 1} more" if len(alike) > 1 else ""
+    return f"; {nearest.label}{more} within its uncertainty"
 
 
 def _rmse(mode: Curve) -> float:
@@ -64,24 +78,40 @@ def _digits(value: float, count: int) -> str:
 
 
 def _rates(scenes: Sequence[SceneSection]) -> str:
-    """The exponents of the tracer's patterns, over scenes: each scene's own fit, then their mean and its spread."""
-    families: dict[str, list[float]] = {}
+    """The exponents of the tracer's patterns, over scenes: each scene's own fit, then their mean."""
+    families: dict[str, list[Rate]] = {}
     once = under_one_filter(scenes)
     for scene in once:
         for family, rows in by_family(row for row in scene.rows if row.renderer == "embree").items():
             fit = rate([row.samples_per_pixel for row in rows], [_value(row.metrics["rmse"]) for row in rows])
             if fit:
-                families.setdefault(family, []).append(fit.exponent)
-    shown = sorted((sum(found) / len(found), min(found), max(found), family) for family, found in families.items())
-    if not shown:
+                families.setdefault(family, []).append(fit)
+    if not families:
         return ""
-    parts = [
-        f"N^{average:.2f} ({family.removeprefix('uniform ')}"
-        + (f", {lowest:.2f} to {highest:.2f})" if f"{lowest:.2f}" != f"{highest:.2f}" else ")")
-        for average, lowest, highest, family in shown
-    ]
-    spread = ", the mean over scenes and its range" if len(once) > 1 else ""
-    return f"In the tracer the error falls with the samples a pixel as{spread}: {'; '.join(parts)}."
+    exponents = [(_exponent(fits), family.removeprefix("uniform ")) for family, fits in families.items()]
+    parts = [f"N^{_power(found)} ({name})" for found, name in sorted(exponents, key=lambda each: _value(each[0]))]
+    counts = {len(fits) for fits in families.values()}
+    scenes_told = f"{max(counts)} scenes" if len(counts) == 1 else f"{min(counts)} to {max(counts)} scenes"
+    over = " (fit ± standard error)" if counts == {1} else f" (mean over {scenes_told} ± standard error)"
+    return f"In the tracer the error falls with the samples a pixel as{over}: {'; '.join(parts)}."
+
+
+def _exponent(fits: Sequence[Rate]) -> Estimate:
+    """Of one scene with the fit's own standard error, of several with that of their mean, from how they scatter."""
+    if len(fits) == 1:
+        return Estimate(fits[0].exponent, fits[0].standard_error)
+    return mean([fit.exponent for fit in fits])
+
+
+def _power(exponent: Estimate) -> str:
+    """Two decimals, and the standard error; three where it is as small as that."""
+    value, error = _value(exponent), exponent.standard_error
+    if error is None:
+        return f"{value:.2f}"
+    if error < 5e-4:
+        return f"{value:.3f} ± <0.001"
+    decimals = 2 if error >= 5e-3 else 3
+    return f"{value:.{decimals}f} ± {error:.{decimals}f}"
 
 
 def by_family(rows: Iterable[ModeRow]) -> dict[str, list[ModeRow]]:

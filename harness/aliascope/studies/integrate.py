@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from aliascope.errors import SpecError, Unsupported, near_misses
-from aliascope.integration import Convergence, Integration
+from aliascope.integration import LEAST_N, MOST_N, Convergence, Integration
 from aliascope.native import samplers
 from aliascope.report.files import write_text
 from aliascope.studies.integrate_plots import Line, convergence_svg
@@ -34,6 +34,13 @@ def expand(texts: Iterable[str]) -> list[str]:
             raise SpecError(f'no sampler is called "{text}"{near_misses(text.strip("*?"), names)}')
         found += matching
     return list(dict.fromkeys(found))
+
+
+def span(least_n: int | None, most_n: int | None) -> dict[str, int]:
+    """The range of N; one end that is given moves the other's default, where that would lie beyond it."""
+    least = min(LEAST_N, most_n or LEAST_N) if least_n is None else least_n
+    most = max(MOST_N, least) if most_n is None else most_n
+    return {"least_n": least, "most_n": most}
 
 
 def _is_glob(text: str) -> bool:

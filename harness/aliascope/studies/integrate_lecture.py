@@ -3,7 +3,7 @@ page, the views of sampling, as a table of measured rates."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -150,14 +150,13 @@ def _ends(parts: Sequence[Integration]) -> str:
 
 def figures_of(made: Made) -> list[Figure]:
     """The plots, in the order of the lecture, each with what was measured in words."""
-    parts = made.figures
-    rates = {(p.integrand.spec, p.d, r.sampler): r for group in parts.values() for p in group for r in p.results}
+    said = _texts(made.figures)
+    return [Figure(name, *said[name], svg) for name, svg in _plots(made.figures).items()]
 
-    def rate(integrand: str, d: int, sampler: str) -> str:
-        return _rate(rates[integrand, d, sampler])
 
+def _plots(parts: Mapping[str, Sequence[Integration]]) -> dict[str, str]:
     half, edge = Guide(-0.5, "N^-1/2", at=0.75), Guide(-0.75, "N^-3/4", 1, at=0.72)
-    svgs = {
+    return {
         "convergence": convergence_svg("Random sampling", _lines(parts["convergence"], True), (half,)),
         "stratified-sampling": convergence_svg(
             "An edge through a pixel",
@@ -177,7 +176,16 @@ def figures_of(made: Made) -> list[Figure]:
         ),
         "total-variation": ratio_svg("Error over its bound, d = 2", _ratios(parts["total-variation"])),
     }
-    said = {
+
+
+def _texts(parts: Mapping[str, Sequence[Integration]]) -> dict[str, tuple[str, str]]:
+    """The title and the text of each figure."""
+    rates = {(p.integrand.spec, p.d, r.sampler): r for group in parts.values() for p in group for r in p.results}
+
+    def rate(integrand: str, d: int, sampler: str) -> str:
+        return _rate(rates[integrand, d, sampler])
+
+    return {
         "convergence": (
             "Convergence",
             "The standard deviation of a mean of N independent samples falls with N^-1/2, whatever the integrand and "
@@ -214,7 +222,6 @@ def figures_of(made: Made) -> list[Figure]:
             "discrepancy is made of.",
         ),
     }
-    return [Figure(name, *said[name], svg) for name, svg in svgs.items()]
 
 
 def _rate(result: Convergence) -> str:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
 
 from aliascope import integrands, metrics, scene_io
 from aliascope.errors import NotAvailable
-from aliascope.native import discrepancy, estimate, filters, samplers
+from aliascope.native import discrepancy, estimate, filters, samplers, uneven
 from aliascope.renderers import RENDERERS
 from aliascope.specs import Key
 
@@ -46,17 +46,23 @@ def _modes() -> Entries:
     ]
 
 
-def _samplers() -> Entries:
-    return [
-        {"name": info.name, "title": info.title, "source": info.source, "keys": list(info.parameters)}
-        for info in samplers.registered()
-    ]
+class Registered(Protocol):
+    """What the C library's registries say of each of theirs."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def source(self) -> str: ...
+    @property
+    def parameters(self) -> tuple[str, ...]: ...
 
 
-def _measures() -> Entries:
-    return [
+def _of(registered: Callable[[], Sequence[Registered]]) -> Callable[[], Entries]:
+    return lambda: [
         {"name": info.name, "title": info.title, "source": info.source, "keys": list(info.parameters)}
-        for info in discrepancy.registered()
+        for info in registered()
     ]
 
 
@@ -64,20 +70,6 @@ def _metrics() -> Entries:
     return [
         {"name": name, "text": (metric.__doc__ or "").strip().splitlines()[0]}
         for name, metric in metrics.METRICS.items()
-    ]
-
-
-def _filters() -> Entries:
-    return [
-        {"name": info.name, "title": info.title, "source": info.source, "keys": list(info.parameters)}
-        for info in filters.registered()
-    ]
-
-
-def _estimators() -> Entries:
-    return [
-        {"name": info.name, "title": info.title, "source": info.source, "keys": list(info.parameters)}
-        for info in estimate.registered()
     ]
 
 
@@ -102,10 +94,11 @@ LISTS: Mapping[str, Callable[[], Entries]] = {
     "scenes": _scenes,
     "renderers": _renderers,
     "modes": _modes,
-    "samplers": _samplers,
-    "measures": _measures,
-    "filters": _filters,
+    "samplers": _of(samplers.registered),
+    "measures": _of(discrepancy.registered),
+    "filters": _of(filters.registered),
+    "weightings": _of(uneven.registered),
     "metrics": _metrics,
     "integrands": _integrands,
-    "estimators": _estimators,
+    "estimators": _of(estimate.registered),
 }

@@ -17,7 +17,7 @@ from aliascope.point_sets import PointSpectrum
 from aliascope.report.plots import settle
 
 INK, ACCENT, GRID, SOFT = "#0072B2", "#D55E00", "#d9d9d9", "#666666"
-_STYLE: dict[Any, Any] = {
+STYLE: dict[Any, Any] = {
     "text.parse_math": False,  # names are shown as they are, "$" included
     "font.family": ["sans-serif"],
     "font.size": 8,
@@ -33,7 +33,7 @@ _MANY = 20_000
 
 def save(figure: Figure, path: Path) -> None:
     """Writes .svg or .png. Raises OSError."""
-    with rc_context(_STYLE), warnings.catch_warnings():
+    with rc_context(STYLE), warnings.catch_warnings():
         # A name in a script that matplotlib's font lacks is drawn as boxes.
         warnings.filterwarnings("ignore", message="Glyph")
         settle(figure)
@@ -47,7 +47,7 @@ def points_figure(values: NDArray[np.float64], title: str, dimensions: list[int]
     Coloured by the last column if that is weights, else by a third if there is one.
     """
     n = len(values)
-    with rc_context(_STYLE):
+    with rc_context(STYLE):
         coloured = weighted or len(dimensions) > 2
         figure = Figure(figsize=(5.6 if coloured else 5.0, 5.2), layout="constrained")
         axes = figure.add_subplot()
@@ -78,7 +78,7 @@ def points_figure(values: NDArray[np.float64], title: str, dimensions: list[int]
 
 def spectrum_figure(spectrum: PointSpectrum, title: str, text: str, dimensions: list[int]) -> Figure:
     """The power in two dimensions, and under it its radial mean and its anisotropy."""
-    with rc_context(_STYLE):
+    with rc_context(STYLE):
         figure = Figure(figsize=(5.2, 8.0), layout="constrained")
         plane, radial, anisotropy = figure.subplots(3, 1, height_ratios=(4.6, 1.3, 1.3))
         _draw_plane(figure, plane, spectrum, dimensions)

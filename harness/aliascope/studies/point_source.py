@@ -1,11 +1,9 @@
-"""Where the command `aliascope points` has its points from: a sampler, or a file."""
+"""Where the commands `points` and `discrepancy` have their points from: a sampler, or a file."""
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,7 @@ from numpy.typing import NDArray
 
 from aliascope.errors import InvalidInput
 from aliascope.native.samplers import Sampler
-from aliascope.point_sets.arrays import checked
+from aliascope.studies.point_files import STANDARD_INPUT, read_points
 
 Array = NDArray[np.float64]
 _CHUNK = 1 << 16
@@ -89,14 +87,20 @@ class StoredPoints:
 PointSource = SampledPoints | StoredPoints
 
 
+def is_file(name: str) -> bool:
+    """Whether this is a file's name and no spec: it has a slash or a suffix, or is "-"."""
+    return name == STANDARD_INPUT or "/" in name or ("." in name and ":" not in name)
+
+
 def open_source(name: str, n: int | None, d: int | None, seed: int, pixel: tuple[int, int], first: int) -> PointSource:
-    """A sampler's spec, for which n must be given and d is 2 if not; or a file, which has a slash or a suffix.
+    """A sampler's spec, for which n must be given and d is 2 if not; or a file, which has a slash or a suffix, or is
+    "-", standard input.
 
     Of a file: rows [first, first + n), to the end if n is not given, and the first d columns, or all. Raises the
     sampler's errors; InvalidInput for a file that cannot be read or has fewer rows or columns.
     """
-    if "/" in name or ("." in name and ":" not in name):
-        values = read_points(Path(name))
+    if is_file(name):
+        values = read_points(name)
         rows, columns = values.shape
         if first + (n or 1) > rows or (d or 1) > columns:
             raise InvalidInput(f"{name}: has {rows} points of {columns} dimensions, fewer than asked for")
@@ -105,22 +109,3 @@ def open_source(name: str, n: int | None, d: int | None, seed: int, pixel: tuple
         raise InvalidInput("-n is missing: how many points of the sampler")
     sampler = Sampler(name, n, d or 2, seed)
     return SampledPoints(sampler.spec, n, d or 2, seed, pixel, first, sampler)
-
-
-def read_points(path: Path) -> Array:
-    """Points (n, d) of a .csv file, no header, or a .npy file. Raises InvalidInput."""
-    ending = path.suffix.lower()
-    if ending not in (".csv", ".npy"):
-        raise InvalidInput(f"{path}: points are read from .csv or .npy files")
-    try:
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", message="loadtxt: input contained no data")
-            values = np.load(path) if ending == ".npy" else np.loadtxt(path, delimiter=",", ndmin=2)
-    except OSError as error:
-        raise InvalidInput(f"{path}: cannot be read: {error.strerror or error}") from error
-    except (ValueError, EOFError) as error:
-        raise InvalidInput(f"{path}: is no table of numbers: {error}") from error
-    try:
-        return checked(values)
-    except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from None

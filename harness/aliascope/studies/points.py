@@ -137,7 +137,7 @@ class Table:
             if ending == ".csv":
                 np.savetxt(path, values, fmt="%.17g", delimiter=",")
             else:
-                np.save(path, values)
+                np.save(path, np.ascontiguousarray(values))
 
 
 # --- realisations -----------------------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -27,6 +28,22 @@ def progress_bar() -> Iterator[Callable[[Job | str | None, int, int], None]]:
 
         def tell(what: Job | str | None, done: int, total: int) -> None:
             text = f"{what.scene}  {what.renderer}  {what.mode}" if isinstance(what, Job) else what or ""
+            if done == 0:  # other work than before, at another pace
+                bar.reset(task)
             bar.update(task, completed=done, total=total, description=text)
 
         yield tell
+
+
+def converging(what: str, tell: Callable[[str, int, int], None]) -> Callable[[int, int, float | None], None]:
+    """What a reference that is converged is to tell: how far its pictures, and the standard error of their mean, have
+    come, and what it comes to with all of them, as it falls with the root of their number."""
+
+    def told(done: int, total: int, standard_error: float | None) -> None:
+        text = ""
+        if standard_error is not None:
+            end = standard_error * math.sqrt(done / total)
+            text = f": standard error {standard_error:.1e}, {end:.1e} at the end"
+        tell(what + text, done, total)
+
+    return told

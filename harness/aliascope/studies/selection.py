@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from aliascope import pipeline, plan, renderers, scene_io
 from aliascope.errors import InvalidInput, SpecError, near_misses
@@ -32,7 +33,21 @@ def plan_of(
     twice = {file.name for file in files if sum(other.name == file.name for other in files) > 1}
     if twice:
         raise InvalidInput(f"two scenes are named {', '.join(sorted(twice))}: rename one of the files")
-    return pipeline.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
+    made = pipeline.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
+    return replace(made, about=_about(profile, [file.name for file in files], own, wanted))
+
+
+def _about(
+    profile: str, scenes: Sequence[str], own: Mapping[str, Sequence[str]], wanted: Mapping[str, Sequence[str]]
+) -> str:
+    """What was taken of a profile: "quick profile" for all of it, else what was chosen too."""
+
+    def canonical(modes: Mapping[str, Sequence[str]]) -> set[tuple[str, str]]:
+        return {(name, renderers.mode_of(renderers.find(name), mode).text) for name in modes for mode in modes[name]}
+
+    chosen = [] if sorted(scenes) == scene_io.names() else ["scenes"]
+    chosen += [] if canonical(wanted) == canonical(own) else ["modes"]
+    return f"{profile} profile" + (f", chosen {' and '.join(chosen)}" if chosen else "")
 
 
 def scenes_of(patterns: Sequence[str]) -> list[str]:

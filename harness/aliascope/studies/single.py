@@ -14,6 +14,7 @@ from aliascope.native import filters
 from aliascope.records import Rendering
 from aliascope.references import files
 from aliascope.renderers.base import LEAST_SECONDS, Request
+from aliascope.studies.progress import converging
 
 
 def render_file(
@@ -128,7 +129,7 @@ def make_reference(
     converged = references.Plan(
         samples=samples or references.Plan.samples,
         threads=_processors(),
-        tell=lambda done, total: tell(f"{file.name}  {filter_}", done, total),
+        tell=converging(f"reference of {file.name}, filter {filter_}", tell),
     )
     made = references.make(file.scene, wanted, filter_, converged)
     path = files.save(folder, file.name, file.scene, wanted, filter_, made)
@@ -159,7 +160,7 @@ def verify_reference(
         files.CHECK,
         samples=samples or files.CHECK.samples,
         threads=_processors(),
-        tell=lambda done, total: tell(f"{file.name}  {filter_}", done, total),
+        tell=converging(f"reference of {file.name}, filter {filter_}", tell),
     )
     found = files.verify(folder, file.name, file.scene, wanted, filter_, check)
     verdict = "holds" if found.holds else f"DOES NOT HOLD: {found.reason}"

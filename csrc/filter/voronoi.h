@@ -1,0 +1,50 @@
+/* The Voronoi cells of samples in a rectangle. */
+#ifndef ASC_VORONOI_H
+#define ASC_VORONOI_H
+
+#include "delaunay.h"
+
+/* Samples as sites on a grid of integers: of 2^52 to 2^53 steps over the longer side of the rectangle, its centre at 0.
+ * Those in the same step are one site. */
+typedef struct asc_voronoi {
+  size_t count;         /* sites */
+  asc_place *places;    /* [site], by x, then y: what is computed from here on does not depend on the samples' order */
+  uint32_t *samples;    /* [site] how many are there */
+  uint32_t *site;       /* [sample] */
+  double step;          /* its length */
+  double width, height; /* of half the rectangle, in steps */
+  asc_delaunay mesh;
+} asc_voronoi;
+
+/* The rectangle as left, bottom, right, top. */
+typedef struct asc_rectangle {
+  double left, bottom, right, top;
+} asc_rectangle;
+
+/* `points` are [count][2], finite and in the closed rectangle, 1 to ASC_PLACES_MOST. ASC_OUT_OF_MEMORY. */
+asc_status asc_voronoi_create(const double *points, size_t count, const asc_rectangle *bounds, asc_voronoi *made);
+void asc_voronoi_destroy(asc_voronoi *made);
+
+/* A corner of a cell, in steps from its site, and its neighbours around the cell. */
+typedef struct asc_corner {
+  double x, y;
+  uint32_t next, before; /* counterclockwise, clockwise */
+} asc_corner;
+
+/* A convex polygon. */
+typedef struct asc_cell {
+  asc_corner *corners; /* room for those of any cell of one diagram */
+  uint32_t used;
+  uint32_t any; /* one of the polygon's corners; ASC_NONE where nothing is left */
+} asc_cell;
+
+asc_status asc_cell_create(const asc_voronoi *diagram, asc_cell *cell);
+void asc_cell_destroy(asc_cell *cell);
+
+/* The cell of a site, clipped to the rectangle: those places nearer to it than to any other. */
+void asc_cell_of(const asc_voronoi *diagram, uint32_t site, asc_cell *cell);
+
+/* In steps squared. */
+double asc_cell_area(const asc_cell *cell);
+
+#endif

@@ -1,0 +1,74 @@
+"""Surfaces at a moment: what moves has a place for each time from 0 to 1."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from aliascope.geometry import Array
+from aliascope.model import AnySurface, Disc, Frames, LoadedMesh, Mesh, Plane, Polygon, Rotate, Scene, Sphere, Translate
+
+
+def transform(motion: Translate | Rotate, time: float) -> tuple[Array, Array]:
+    """The matrix (3, 3) and the offset (3,) with which a motion takes a point from its place at time 0 to that at
+    `time`: matrix @ point + offset."""
+    if isinstance(motion, Translate):
+        return np.eye(3), time * np.array(motion.by)
+    x, y, z = np.array(motion.axis) / np.linalg.norm(motion.axis)
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    angle = math.radians(motion.degrees) * time
+    # Rodrigues' formula; 1 - cos without its cancellation at small angles.
+    matrix = np.eye(3) + math.sin(angle) * across + 2.0 * math.sin(0.5 * angle) ** 2 * (across @ across)
+    centre = np.array(motion.centre)
+    return matrix, centre - matrix @ centre
+
+
+def moved(surface: AnySurface | LoadedMesh, time: float) -> AnySurface | LoadedMesh:
+    """The surface as it is at a time from 0 to 1, standing still. A Mesh that was not read yet cannot be moved."""
+    if surface.motion is None:
+        return surface
+    if isinstance(surface.motion, Frames):
+        assert isinstance(surface, LoadedMesh)
+        assert surface.frames is not None
+        return surface.model_copy(update={"motion": None, "frames": None, "triangles": between(surface, time)})
+    matrix, offset = transform(surface.motion, time)
+
+    def place(point: tuple[float, float, float]) -> tuple[float, ...]:
+        return tuple((matrix @ point + offset).tolist())
+
+    def turned(direction: tuple[float, float, float]) -> tuple[float, ...]:
+        return tuple((matrix @ direction).tolist())
+
+    update: dict[str, object]
+    match surface:
+        case Polygon():
+            update = {"points": tuple(map(place, surface.points))}
+        case LoadedMesh():
+            update = {"triangles": surface.triangles @ matrix.T + offset}
+        case Sphere():
+            update = {"centre": place(surface.centre)}
+        case Disc():
+            update = {"centre": place(surface.centre), "normal": turned(surface.normal)}
+        case Plane():
+            update = {"point": place(surface.point), "normal": turned(surface.normal)}
+        case Mesh():
+            raise ValueError("a mesh is moved after it was read")
+    return surface.model_copy(update={"motion": None} | update)
+
+
+def between(mesh: LoadedMesh, time: float) -> Array:
+    """The triangles (n, 3, 3) of a mesh of frames at a time from 0 to 1."""
+    assert mesh.frames is not None
+    steps = len(mesh.frames)
+    before = min(int(time * steps), steps - 1)
+    share = time * steps - before
+    first = mesh.triangles if before == 0 else mesh.frames[before - 1]
+    return np.asarray((1.0 - share) * first + share * mesh.frames[before])
+
+
+def at(scene: Scene, time: float) -> Scene:
+    """The scene at a moment: nothing moves, and the shutter is an instant, which is no need."""
+    camera = scene.camera.model_copy(update={"shutter": None, "response": "box"})
+    surfaces = tuple(moved(surface, time) for surface in scene.surfaces)
+    return scene.model_copy(update={"camera": camera, "surfaces": surfaces})

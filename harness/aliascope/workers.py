@@ -1,0 +1,73 @@
+"""Worker processes: what crashes or hangs in one is that task's failure, and no other's."""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+from collections.abc import Callable, Sequence
+from concurrent.futures import TimeoutError as FutureTimeout
+from types import TracebackType
+from typing import Any, TypeVar
+
+from pebble import ProcessExpired, ProcessPool
+
+from aliascope.errors import JobFailed
+from aliascope.native import samplers
+
+Result = TypeVar("Result")
+
+
+def patience(time_limit: float) -> float:
+    """Seconds after which a task's process is ended from outside: renderers should have given up by themselves."""
+    return time_limit + min(20.0, max(2.0, time_limit / 2.0))
+
+
+class Workers:
+    """Processes that a crash or a time limit of one task leaves standing; started afresh, not forked, since the parent
+    has threads, and only once there is a task. Use as a context manager: what is not done when it ends by an exception
+    is dropped."""
+
+    def __init__(self, processes: int) -> None:
+        self._pool = ProcessPool(
+            max_workers=processes,
+            context=multiprocessing.get_context("spawn"),
+            initializer=_begin,
+            initargs=([plugin.path for plugin in samplers.plugins()],),
+        )
+
+    def __enter__(self) -> Workers:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            self._pool.close()
+        else:
+            self._pool.stop()
+        self._pool.join()
+
+    def begin(self, task: Callable[..., Result], arguments: Sequence[Any], time_limit: float) -> Callable[[], Result]:
+        """Has `task` done, by the first process that is free. The function that is given back waits for the result; it
+        raises what the task raises, and JobFailed where its process ended or took longer than `time_limit`, in
+        seconds, and some patience."""
+        limit = patience(time_limit)
+        future = self._pool.schedule(task, args=arguments, timeout=limit)
+
+        def result() -> Result:
+            try:
+                return future.result()
+            except FutureTimeout as error:
+                raise JobFailed(f"gave no picture within {limit:g} s and was ended") from error
+            except ProcessExpired as error:
+                code = error.exitcode or 0
+                how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
+                raise JobFailed(f"the process that rendered it ended {how}") from error
+
+        return result
+
+
+def _begin(plugins: list[str]) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
+    for plugin in plugins:
+        samplers.load_plugin(plugin)
