@@ -11,7 +11,7 @@ from aliascope.cli.shared import Json, Seed, Size, app, print_json, size_of
 
 
 @app.command(
-    epilog="Examples: aliascope render edge -r embree -m uniform:n=64 -o edge.exr; "
+    epilog="Example: aliascope render edge -r embree -m uniform:n=64 -o edge.exr; or "
     "aliascope render edge -r embree -m adaptive:method=whitted,n=72 -o edge.exr --counts counts.exr"
 )
 def render(
