@@ -49,6 +49,9 @@ static asc_status check_view(const asc_view *view, asc_error *error) {
       !(view->half_height > 0.0)) {
     return asc_fail(error, ASC_INVALID_ARGUMENT, "half_width and half_height of the view must be positive and finite");
   }
+  if (view->lens_radius != 0.0) {
+    return asc_fail(error, ASC_UNSUPPORTED, "the view has a lens, which is not drawn");
+  }
   return check_frame(view, error);
 }
 

@@ -23,6 +23,14 @@ static asc_status take_view(tracer *made, const asc_view *view, asc_error *error
       !finite3(view->background) || !(view->half_width > 0.0) || !(view->half_height > 0.0) ||
       !isfinite(view->half_width) || !isfinite(view->half_height))
     return asc_fail(error, ASC_INVALID_ARGUMENT, "the view has a number that is not finite, or no extent");
+  if (!(view->lens_radius >= 0.0) || !isfinite(view->lens_radius))
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "the radius of a lens is not negative, and finite");
+  if (view->lens_radius == 0.0) return ASC_OK;
+  if (view->projection != ASC_PERSPECTIVE || !(view->focus_distance > 0.0) || !isfinite(view->focus_distance))
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "a lens has a perspective view, focused at a positive distance");
+  if (view->blades == 1 || view->blades == 2 || view->blades > 64)
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "a lens has 3 to 64 blades, or 0 where it is round, not %u",
+                    view->blades);
   return ASC_OK;
 }
 
@@ -67,10 +75,17 @@ static asc_status take_lights(tracer *made, const asc_scene *scene, asc_error *e
   return ASC_OK;
 }
 
+static void lay_out(tracer *made) {
+  layout *further = &made->further;
+  further->lens = further->count;
+  if (made->view.lens_radius > 0.0) further->count += 2;
+}
+
 asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_error *error) {
   made->plain = scene->plane_count == 0;
   asc_status status = take_view(made, &scene->view, error);
   if (status == ASC_OK) status = take_materials(made, scene, error);
   if (status == ASC_OK) status = take_lights(made, scene, error);
+  if (status == ASC_OK) lay_out(made);
   return status;
 }

@@ -1,5 +1,9 @@
 #include "packet.h"
 
+#include <string.h>
+
+#include "lens.h"
+
 void packet_begin(packet *rays) {
   rtcInitIntersectContext(&rays->context);
   rays->context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -33,6 +37,21 @@ static void make_rays(const asc_view *view, packet *rays) {
   }
 }
 
+/* From the lens: to where the ray through its middle meets the plane of focus. */
+static void move_to_lens(const tracer *made, packet *rays) {
+  struct RTCRay16 *ray = &rays->rays.ray;
+  double u[PACKET][2];
+  for (int i = 0; i < PACKET; i++) memcpy(u[i], rays->further[i] + made->further.lens, sizeof u[i]);
+  lens_points(&made->view, PACKET, (const double(*)[2])u, rays->lens);
+  const double nearness = 1.0 / made->view.focus_distance;
+  for (int i = 0; i < PACKET; i++) {
+    ray->org_x[i] = (float)rays->lens[i][0];
+    ray->org_y[i] = (float)rays->lens[i][1];
+    ray->dir_x[i] -= (float)(rays->lens[i][0] * nearness);
+    ray->dir_y[i] -= (float)(rays->lens[i][1] * nearness);
+  }
+}
+
 static void take_emission(const tracer *made, packet *rays) {
   const struct RTCHit16 *hit = &rays->rays.hit;
   for (uint32_t i = 0; i < rays->lanes; i++) {
@@ -49,8 +68,10 @@ void packet_trace(const tracer *made, packet *rays) {
     if (i < rays->lanes) continue;
     rays->sample_x[i] = rays->sample_x[0]; /* not traced; but numbers, for the arithmetic */
     rays->sample_y[i] = rays->sample_y[0];
+    rays->further[i] = rays->further[0];
   }
   make_rays(&made->view, rays);
+  if (made->view.lens_radius > 0.0) move_to_lens(made, rays);
   rtcIntersect16(rays->valid, made->scene, &rays->context, &rays->rays);
   if (made->plain)
     take_emission(made, rays);

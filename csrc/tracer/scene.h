@@ -21,10 +21,17 @@ typedef struct ball {
   double centre[3], radius;
 } ball;
 
+/* Where a sample has its numbers for each of what it chooses, from the third of them on; tracer.h has their order. */
+typedef struct layout {
+  uint32_t lens;
+  uint32_t count;
+} layout;
+
 struct tracer {
   RTCDevice device;
   RTCScene scene;
   asc_view view;
+  layout further;
   asc_material *materials; /* pattern origins relative to the eye, along the world's axes */
   size_t material_count;
   asc_light *lights; /* places in the camera frame; directions of length 1, toward the light */

@@ -66,14 +66,29 @@ static void take_colour(const tracer *made, meeting *met) {
   for (int i = 0; i < 3; i++) met->colour[i] = pattern->low[i] + (pattern->high[i] - pattern->low[i]) * mix;
 }
 
-/* The nearest of what Embree met and of the planes. */
-static meeting find_meeting(const tracer *made, const packet *rays, uint32_t lane) {
+/* A lane's ray from the eye, again in double. */
+static void eye_ray(const tracer *made, const packet *rays, uint32_t lane, double origin[3], double direction[3]) {
   const asc_view *view = &made->view;
   const double u = (2.0 * rays->sample_x[lane] / view->width - 1.0) * view->half_width;
   const double v = (1.0 - 2.0 * rays->sample_y[lane] / view->height) * view->half_height;
   const int perspective = view->projection == ASC_PERSPECTIVE;
-  const double origin[3] = {perspective ? 0.0 : u, perspective ? 0.0 : v, 0.0};
-  const double direction[3] = {perspective ? u : 0.0, perspective ? v : 0.0, 1.0};
+  origin[0] = perspective ? 0.0 : u;
+  origin[1] = perspective ? 0.0 : v;
+  origin[2] = 0.0;
+  direction[0] = perspective ? u : 0.0;
+  direction[1] = perspective ? v : 0.0;
+  direction[2] = 1.0;
+  if (!(view->lens_radius > 0.0)) return;
+  for (int i = 0; i < 2; i++) {
+    origin[i] = rays->lens[lane][i];
+    direction[i] -= rays->lens[lane][i] / view->focus_distance;
+  }
+}
+
+/* The nearest of what Embree met and of the planes. */
+static meeting find_meeting(const tracer *made, const packet *rays, uint32_t lane) {
+  double origin[3], direction[3];
+  eye_ray(made, rays, lane, origin, direction);
   const struct RTCHit16 *hit = &rays->rays.hit;
   meeting met = {0};
   double nearest = INFINITY;

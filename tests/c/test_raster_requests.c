@@ -128,6 +128,14 @@ static asc_status try_render(raster *made, uint32_t samples, const double *offse
   return status;
 }
 
+static void test_a_lens_is_refused(void **state) {
+  (void)state;
+  asc_sphere sphere;
+  stage *s = crowd(&sphere, 1, 1);
+  s->scene.view.lens_radius = 0.1;
+  refused_as(s, ASC_UNSUPPORTED, "lens");
+}
+
 static void test_bad_requests_are_refused(void **state) {
   (void)state;
   stage *s = fine_stage();
@@ -179,6 +187,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_bad_scenes_are_refused),
       cmocka_unit_test(test_more_shadows_than_can_be_tested_are_refused),
+      cmocka_unit_test(test_a_lens_is_refused),
       cmocka_unit_test(test_bad_requests_are_refused),
       cmocka_unit_test(test_a_colour_beyond_float_is_reported),
       cmocka_unit_test(test_it_says_what_it_is),

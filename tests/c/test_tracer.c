@@ -261,6 +261,18 @@ static void broken_scenes_are_refused(void **state) {
   scene.view.width = 0;
   assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
   scene.view.width = 8;
+  scene.view.lens_radius = 0.5; /* orthographic, and not focused */
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "focused"));
+  scene.view.projection = ASC_PERSPECTIVE;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  scene.view.focus_distance = 1;
+  scene.view.blades = 2;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "3 to 64 blades"));
+  scene.view.lens_radius = -1;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  scene.view = flat_view(8, 8);
   const asc_disc flat = {{0, 0, 0}, {0, 0, 0}, 1, 0};
   scene.discs = &flat;
   scene.disc_count = 1;

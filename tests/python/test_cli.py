@@ -122,6 +122,8 @@ def test_render_error_and_reference(tmp_path: Path) -> None:
     document = json.loads(run("render", "edge", "-r", "embree", "-m", "uniform:n=16", "-o", out, "--json").stdout)
     assert (document["width"], document["height"], document["samples"]) == (128, 96, 128 * 96 * 16)
     assert document["rays"] == {"primary": 128 * 96 * 16}
+    assert document["dimensions"] == 2
+    assert not any(document["needs"].values())
     assert document["mode"] == "uniform"
     assert document["cpu_seconds"] > 0
     assert read_header(out)["mode"] == "uniform"

@@ -94,7 +94,7 @@ def test_a_count_that_the_pattern_cannot_have_is_an_empty_cell() -> None:
 
 
 def test_what_is_not_drawn_is_named() -> None:
-    camera = {"type": "orthographic", "eye": (0, 0, 10), "look_at": (0, 0, 0), "height": 12.0}
+    camera = {"type": "perspective", "eye": (0, 0, 10), "look_at": (0, 0, 0), "vertical_fov_degrees": 40.0}
     lens = camera | {"lens_radius": 0.1, "focus_distance": 3.0}
     reason = lacks(RENDERER, scene_of([disc(0, 0, 1)], camera=lens), mode("none"))
     assert reason == "OSMesa here does not draw: lens"

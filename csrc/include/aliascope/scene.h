@@ -22,6 +22,12 @@ typedef struct asc_view {
   double eye[3], right[3], up[3], forward[3];
   double half_width, half_height;
   double background[3]; /* linear RGB */
+  /* A thin lens in the plane through `eye`, whose points are sharp at the depth focus_distance along `forward`: from
+   * the lens point (x, y) along right and up the ray goes along forward + (u - x / focus_distance) right + (v - y /
+   * focus_distance) up, where the eye's goes along forward + u right + v up. The mean is over the lens, by area. */
+  double lens_radius;    /* 0: none; else perspective only */
+  double focus_distance; /* positive where there is a lens */
+  uint32_t blades;       /* 0: round; 3 to 64: a regular polygon inscribed in the circle, one corner upward */
 } asc_view;
 
 typedef enum asc_pattern_kind {

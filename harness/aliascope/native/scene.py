@@ -26,6 +26,9 @@ def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]
     for name in ("eye", "right", "up", "forward"):
         setattr(view, name, list(getattr(frame, name)))
     view.background = list(scene.view.background)
+    if scene.needs().lens:
+        view.lens_radius, view.focus_distance = scene.camera.lens_radius, scene.camera.focus_distance
+        view.blades = scene.camera.blades
 
     materials = ffi.new("asc_material[]", max(len(surfaces.materials), 1))
     for target, name in zip(materials, surfaces.materials, strict=False):

@@ -28,14 +28,7 @@ class Embree:
     title = "Embree"
     native: tuple[str, ...] = ("tracer",)
     modes: Mapping[str, Form] = {UNIFORM.name: UNIFORM}
-    draws = frozenset(
-        {
-            *("orthographic", "perspective"),
-            *("polygon", "mesh", "disc", "sphere", "plane"),
-            *("zone-plate", "checker"),
-            *("point light", "directional light"),
-        }
-    )
+    draws = tracer.DRAWS
     probe_mode = "uniform:n=256,sampler=regular"
     single_mode = "uniform:n=1,sampler=regular"
 
@@ -43,7 +36,7 @@ class Embree:
         return {"embree": tracer.embree_version()}
 
     def unable(self, scene: Scene, mode: Spec) -> str | None:
-        return samplers.refusal(mode.word("sampler"), mode.integer("n"))
+        return samplers.refusal(mode.word("sampler"), mode.integer("n"), scene.needs().dimensions)
 
     def seeded(self, mode: Spec) -> bool:
         return samplers.randomised(mode.word("sampler"), mode.integer("n"))

@@ -66,6 +66,8 @@ def render_file(
         "height": height,
         "samples": cost.samples,
         "samples_per_pixel": cost.samples_per_pixel,
+        "needs": file.scene.needs().model_dump(),
+        "dimensions": file.scene.needs().dimensions,
         "rays": dict(cost.rays),
         "cpu_seconds": cost.cpu_seconds,
         "wall_seconds": cost.wall_seconds,
