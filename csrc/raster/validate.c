@@ -186,6 +186,10 @@ static asc_status check_shadows(const asc_scene *scene, asc_error *error) {
   return ASC_OK;
 }
 
+static asc_status check_motions(const asc_scene *scene, asc_error *error) {
+  return scene->motion_count == 0 ? ASC_OK : asc_fail(error, ASC_UNSUPPORTED, "surfaces move, which is not drawn");
+}
+
 static bool arrays_are_there(const asc_scene *scene) {
   return (scene->material_count == 0 || scene->materials) &&
          (scene->triangle_count == 0 || (scene->vertices && scene->triangle_material)) &&
@@ -215,6 +219,9 @@ asc_status raster_validate(const asc_scene *scene, asc_error *error) {
   }
   if (status == ASC_OK) {
     status = check_lights(scene, error);
+  }
+  if (status == ASC_OK) {
+    status = check_motions(scene, error);
   }
   if (status == ASC_OK) {
     status = check_shadows(scene, error);

@@ -23,6 +23,9 @@ static asc_status take_view(tracer *made, const asc_view *view, asc_error *error
       !finite3(view->background) || !(view->half_width > 0.0) || !(view->half_height > 0.0) ||
       !isfinite(view->half_width) || !isfinite(view->half_height))
     return asc_fail(error, ASC_INVALID_ARGUMENT, "the view has a number that is not finite, or no extent");
+  if (!(view->shutter_open <= view->shutter_close) || !isfinite(view->shutter_open) || !isfinite(view->shutter_close) ||
+      (view->response != ASC_RESPONSE_BOX && view->response != ASC_RESPONSE_TRIANGLE))
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "a shutter closes no sooner than it opens, with a known response");
   if (!(view->lens_radius >= 0.0) || !isfinite(view->lens_radius))
     return asc_fail(error, ASC_INVALID_ARGUMENT, "the radius of a lens is not negative, and finite");
   if (view->lens_radius == 0.0) return ASC_OK;
@@ -77,6 +80,8 @@ static asc_status take_lights(tracer *made, const asc_scene *scene, asc_error *e
 
 static void lay_out(tracer *made) {
   layout *further = &made->further;
+  further->time = further->count;
+  if (made->motion_count > 0) further->count += 1;
   further->lens = further->count;
   if (made->view.lens_radius > 0.0) further->count += 2;
 }
@@ -86,6 +91,7 @@ asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_erro
   asc_status status = take_view(made, &scene->view, error);
   if (status == ASC_OK) status = take_materials(made, scene, error);
   if (status == ASC_OK) status = take_lights(made, scene, error);
+  if (status == ASC_OK) status = tracer_take_motions(made, scene, error);
   if (status == ASC_OK) lay_out(made);
   return status;
 }

@@ -52,12 +52,23 @@ static void move_to_lens(const tracer *made, packet *rays) {
   }
 }
 
+static void set_times(const tracer *made, packet *rays) {
+  const asc_view *view = &made->view;
+  for (int i = 0; i < PACKET; i++) {
+    const double moment = shutter_moment(view->response, rays->further[i][made->further.time]);
+    rays->rays.ray.time[i] = (float)moment;
+    rays->time[i] = view->shutter_open + (view->shutter_close - view->shutter_open) * moment;
+  }
+}
+
 static void take_emission(const tracer *made, packet *rays) {
   const struct RTCHit16 *hit = &rays->rays.hit;
   for (uint32_t i = 0; i < rays->lanes; i++) {
     const double *from = made->view.background;
-    if (hit->geomID[i] != RTC_INVALID_GEOMETRY_ID)
-      from = made->materials[made->material_of[hit->geomID[i]][hit->primID[i]]].emission;
+    if (hit->geomID[i] != RTC_INVALID_GEOMETRY_ID) {
+      const surface met = tracer_surface(made, hit->geomID[i], hit->primID[i]);
+      from = made->materials[made->material_of[met.kind][met.number]].emission;
+    }
     for (int channel = 0; channel < 3; channel++) rays->radiance[i][channel] = from[channel];
   }
 }
@@ -72,6 +83,7 @@ void packet_trace(const tracer *made, packet *rays) {
   }
   make_rays(&made->view, rays);
   if (made->view.lens_radius > 0.0) move_to_lens(made, rays);
+  if (made->motion_count > 0) set_times(made, rays);
   rtcIntersect16(rays->valid, made->scene, &rays->context, &rays->rays);
   if (made->plain)
     take_emission(made, rays);

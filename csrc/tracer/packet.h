@@ -17,6 +17,7 @@ typedef struct packet {
   double sample_x[PACKET], sample_y[PACKET]; /* where in the picture, in pixels */
   const double *further[PACKET];             /* the samples' other numbers, from the third on, as the layout says */
   double lens[PACKET][2];                    /* points of the lens, along right and up; set where there is one */
+  double time[PACKET];                       /* set where something moves */
   uint32_t lanes;                            /* how many are in use, the first ones */
   double radiance[PACKET][3];
   uint64_t shadow_rays;

@@ -7,7 +7,9 @@
 typedef struct meeting {
   const asc_material *material; /* NULL: nowhere */
   double point[3];
+  double rest[3];   /* where the surface had that point at time 0 */
   double normal[3]; /* of length 1, toward the viewer */
+  double slack;     /* how far Embree's surface may be off for its motion in straight lines */
   double colour[3]; /* of the pattern */
 } meeting;
 
@@ -29,8 +31,9 @@ static double along_ball(const ball *met, const double origin[3], const double d
 }
 
 /* Again in double what Embree met in float, so that patterns and shadows start from the surface itself. */
-static double meet(const tracer *made, uint32_t kind, uint32_t primitive, const double origin[3],
-                   const double direction[3], double normal[3]) {
+static double meet_at_rest(const tracer *made, surface of, const double origin[3], const double direction[3],
+                           double normal[3]) {
+  const uint32_t kind = of.kind, primitive = of.number;
   if (kind == SPHERES) {
     const ball *met = &made->balls[primitive];
     const double t = along_ball(met, origin, direction);
@@ -42,6 +45,40 @@ static double meet(const tracer *made, uint32_t kind, uint32_t primitive, const 
                                        : &made->planes[primitive];
   for (int i = 0; i < 3; i++) normal[i] = met->normal[i];
   return along_plane(met, origin, direction);
+}
+
+/* The same with what moves, at a time; and the material, normal and point of rest of the meeting. */
+static double meet(const tracer *made, surface of, double time, const double origin[3], const double direction[3],
+                   meeting *met) {
+  met->material = &made->materials[made->material_of[of.kind][of.number]];
+  const asc_motion *motion = tracer_motion(made, of);
+  met->slack = 0.0;
+  if (!motion) {
+    const double t = meet_at_rest(made, of, origin, direction, met->normal);
+    for (int i = 0; i < 3; i++) met->rest[i] = origin[i] + t * direction[i];
+    return t;
+  }
+  const placing at = motion_at(motion, time);
+  double rest_origin[3], rest_direction[3], normal[3];
+  motion_ray_to_rest(&at, origin, direction, rest_origin, rest_direction);
+  const double t = meet_at_rest(made, of, rest_origin, rest_direction, normal);
+  for (int i = 0; i < 3; i++) met->rest[i] = rest_origin[i] + t * rest_direction[i];
+  motion_turn(&at, normal, met->normal);
+  double out[3];
+  for (int i = 0; i < 3; i++) out[i] = met->rest[i] - motion->centre[i];
+  met->slack = motion_sagitta(motion, made->view.shutter_close - made->view.shutter_open) * sqrt(dot(out, out));
+  return t;
+}
+
+/* The distance along a ray to an endless plane, at a time. */
+static double along_moving_plane(const tracer *made, uint32_t number, double time, const double origin[3],
+                                 const double direction[3]) {
+  const asc_motion *motion = tracer_motion(made, (surface){PLANES, number});
+  if (!motion) return along_plane(&made->planes[number], origin, direction);
+  const placing at = motion_at(motion, time);
+  double rest_origin[3], rest_direction[3];
+  motion_ray_to_rest(&at, origin, direction, rest_origin, rest_direction);
+  return along_plane(&made->planes[number], rest_origin, rest_direction);
 }
 
 static double mix_of(const asc_pattern *pattern, const double away[3]) {
@@ -60,7 +97,7 @@ static void take_colour(const tracer *made, meeting *met) {
   const asc_view *view = &made->view;
   double away[3]; /* from the pattern's origin, along the world's axes */
   for (int i = 0; i < 3; i++)
-    away[i] = view->right[i] * met->point[0] + view->up[i] * met->point[1] + view->forward[i] * met->point[2] -
+    away[i] = view->right[i] * met->rest[0] + view->up[i] * met->rest[1] + view->forward[i] * met->rest[2] -
               pattern->origin[i];
   const double mix = mix_of(pattern, away);
   for (int i = 0; i < 3; i++) met->colour[i] = pattern->low[i] + (pattern->high[i] - pattern->low[i]) * mix;
@@ -93,15 +130,13 @@ static meeting find_meeting(const tracer *made, const packet *rays, uint32_t lan
   meeting met = {0};
   double nearest = INFINITY;
   if (hit->geomID[lane] != RTC_INVALID_GEOMETRY_ID) {
-    const uint32_t kind = hit->geomID[lane], primitive = hit->primID[lane];
-    met.material = &made->materials[made->material_of[kind][primitive]];
-    nearest = meet(made, kind, primitive, origin, direction, met.normal);
+    const surface found = tracer_surface(made, hit->geomID[lane], hit->primID[lane]);
+    nearest = meet(made, found, rays->time[lane], origin, direction, &met);
   }
   for (uint32_t i = 0; i < made->plane_count; i++) {
-    const double t = along_plane(&made->planes[i], origin, direction);
+    const double t = along_moving_plane(made, i, rays->time[lane], origin, direction);
     if (!(t > 0.0 && t < nearest)) continue;
-    met.material = &made->materials[made->material_of[PLANES][i]];
-    nearest = meet(made, PLANES, i, origin, direction, met.normal);
+    nearest = meet(made, (surface){PLANES, i}, rays->time[lane], origin, direction, &met);
   }
   if (!met.material) return met;
   const double side = dot(met.normal, direction) > 0.0 ? -1.0 : 1.0;
@@ -126,23 +161,26 @@ static double toward_light(const asc_light *light, const double point[3], double
 }
 
 /* A point moved off its surface by more than float can have moved the surface: vertices and origin are rounded to 2^-24
- * of their largest coordinate, and a triangle's plane by a few times that. */
+ * of their largest coordinate, and a triangle's plane by a few times that; and than Embree's motion is off. */
 static void lift(const meeting *met, double origin[3]) {
   double largest = 0.0;
   for (int i = 0; i < 3; i++) largest = fmax(largest, fabs(met->point[i]));
-  for (int i = 0; i < 3; i++) origin[i] = met->point[i] + met->normal[i] * (16.0 * FLT_EPSILON * largest);
+  for (int i = 0; i < 3; i++)
+    origin[i] = met->point[i] + met->normal[i] * (16.0 * FLT_EPSILON * largest + 2.0 * met->slack);
 }
 
-static int planes_block(const tracer *made, const double origin[3], const double toward[3], double distance) {
+static int planes_block(const tracer *made, double time, const double origin[3], const double toward[3],
+                        double distance) {
   for (uint32_t i = 0; i < made->plane_count; i++) {
-    const double t = along_plane(&made->planes[i], origin, toward);
+    const double t = along_moving_plane(made, i, time, origin, toward);
     if (t > 0.0 && t < distance) return 1;
   }
   return 0;
 }
 
-static void set_shadow_ray(struct RTCRay16 *ray, uint32_t lane, const double origin[3], const double toward[3],
+static void set_shadow_ray(packet *rays, uint32_t lane, const double origin[3], const double toward[3],
                            double distance) {
+  struct RTCRay16 *ray = &rays->shadows;
   ray->org_x[lane] = (float)origin[0];
   ray->org_y[lane] = (float)origin[1];
   ray->org_z[lane] = (float)origin[2];
@@ -151,7 +189,7 @@ static void set_shadow_ray(struct RTCRay16 *ray, uint32_t lane, const double ori
   ray->dir_z[lane] = (float)toward[2];
   ray->tnear[lane] = 0.0f;
   ray->tfar[lane] = (float)distance;
-  ray->time[lane] = 0.0f;
+  ray->time[lane] = rays->rays.ray.time[lane];
   ray->mask[lane] = UINT32_MAX;
   ray->flags[lane] = 0;
 }
@@ -168,8 +206,8 @@ static void add_light(const tracer *made, packet *rays, const asc_light *light, 
     falloff[i] = light->inverse_square ? 1.0 / (distance * distance) : 1.0;
     if (!(cosine[i] > 0.0)) continue;
     lift(&met[i], origin);
-    if (planes_block(made, origin, toward, distance)) continue;
-    set_shadow_ray(&rays->shadows, i, origin, toward, distance);
+    if (planes_block(made, rays->time[i], origin, toward, distance)) continue;
+    set_shadow_ray(rays, i, origin, toward, distance);
     rays->shadowed[i] = -1;
     count++;
   }

@@ -48,7 +48,13 @@ void tracer_destroy(tracer *made) {
   if (!made) return;
   if (made->scene) rtcReleaseScene(made->scene);
   if (made->device) rtcReleaseDevice(made->device);
-  for (int kind = 0; kind < GEOMETRY_KINDS; kind++) free(made->material_of[kind]);
+  for (int kind = 0; kind < GEOMETRY_KINDS; kind++) {
+    free(made->material_of[kind]);
+    free(made->motion_of[kind]);
+  }
+  for (size_t i = 0; i < made->part_count; i++) free(made->parts[i].members);
+  free(made->parts);
+  free(made->motions);
   free(made->materials);
   free(made->triangle_planes);
   free(made->disc_planes);

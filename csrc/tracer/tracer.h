@@ -20,9 +20,10 @@ ASC_API asc_status tracer_create(const asc_scene *scene, tracer **made, asc_erro
 ASC_API void tracer_destroy(tracer *made);
 
 /* How many numbers each sample has: the dimensions that a sampler needs. What a scene does not ask for has none. In
- * this order:
+ * this order, so many each:
  *
- *   0, 1   the place in the pixel
+ *   2      the place in the pixel
+ *   1      the time, where something moves while the shutter is open: the inverse of the response's distribution
  *   2      the point of the lens, where there is one: the disc by the concentric map; of a polygon's corners a_k, with
  *          k = floor(blades u), f = blades u - k and w the second, sqrt(w) ((1 - f) a_k + f a_(k + 1)) */
 ASC_API uint32_t tracer_dimensions(const tracer *made);

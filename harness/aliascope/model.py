@@ -353,6 +353,7 @@ class Scene(Part):
         needs = self.needs()
         found: set[str] = {self.camera.type}
         asked = {"lens": needs.lens, "motion": needs.shutter, "mirror": needs.mirror, "gloss": needs.gloss}
+        asked["mesh of frames"] = needs.shutter and any(isinstance(each.motion, Frames) for each in self.surfaces)
         asked["diffuse bounces"] = needs.diffuse_bounces > 0
         found.update(name for name, there in asked.items() if there)
         for surface in self.surfaces:

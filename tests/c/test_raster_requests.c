@@ -128,12 +128,15 @@ static asc_status try_render(raster *made, uint32_t samples, const double *offse
   return status;
 }
 
-static void test_a_lens_is_refused(void **state) {
+static void test_a_lens_and_motion_are_refused(void **state) {
   (void)state;
   asc_sphere sphere;
   stage *s = crowd(&sphere, 1, 1);
   s->scene.view.lens_radius = 0.1;
   refused_as(s, ASC_UNSUPPORTED, "lens");
+  s = crowd(&sphere, 1, 1);
+  s->scene.motion_count = 1;
+  refused_as(s, ASC_UNSUPPORTED, "move");
 }
 
 static void test_bad_requests_are_refused(void **state) {
@@ -187,7 +190,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_bad_scenes_are_refused),
       cmocka_unit_test(test_more_shadows_than_can_be_tested_are_refused),
-      cmocka_unit_test(test_a_lens_is_refused),
+      cmocka_unit_test(test_a_lens_and_motion_are_refused),
       cmocka_unit_test(test_bad_requests_are_refused),
       cmocka_unit_test(test_a_colour_beyond_float_is_reported),
       cmocka_unit_test(test_it_says_what_it_is),

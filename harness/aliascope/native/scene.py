@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
-from aliascope.geometry import frame_of, surfaces_of
-from aliascope.model import AnyLight, Checker, DirectionalLight, Material, PointLight, Scene, ZonePlate
+from aliascope import motion
+from aliascope.geometry import Surfaces, frame_of, surfaces_of
+from aliascope.model import (
+    AnyLight,
+    Checker,
+    DirectionalLight,
+    Frames,
+    Material,
+    Motion,
+    PointLight,
+    Rotate,
+    Scene,
+    ZonePlate,
+)
 
 
 def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]:
@@ -15,6 +28,7 @@ def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]
 
     Raises ValueError for a polygon that is not planar and simple.
     """
+    scene = motion.stilled(scene)
     frame, surfaces = frame_of(scene, size), surfaces_of(scene)
     packed = ffi.new("asc_scene *")
     packed.struct_size = ffi.sizeof("asc_scene")
@@ -47,7 +61,36 @@ def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]
     packed.spheres, packed.sphere_count = spheres, len(surfaces.spheres)
     packed.planes, packed.plane_count = planes, len(surfaces.planes)
     packed.lights, packed.light_count = lights, len(scene.lights)
-    return packed, [materials, discs, spheres, planes, lights, vertices, triangle_material]
+    keep = [materials, discs, spheres, planes, lights, vertices, triangle_material]
+    if scene.needs().shutter:
+        keep += _pack_motions(ffi, packed, scene, surfaces)
+    return packed, keep
+
+
+def _pack_motions(ffi: Any, packed: Any, scene: Scene, surfaces: Surfaces) -> list[Any]:
+    camera, view = scene.camera, packed.view
+    assert camera.shutter is not None  # or there would be no need
+    view.shutter_open, view.shutter_close = camera.shutter
+    responses = ffi.typeof("asc_response").relements
+    view.response = responses["ASC_RESPONSE_BOX" if camera.response == "box" else "ASC_RESPONSE_TRIANGLE"]
+    motions = ffi.new("asc_motion[]", [_motion(ffi, each) for each in surfaces.motions])
+    packed.motions, packed.motion_count = motions, len(surfaces.motions)
+    keep = [motions]
+    for kind in ("triangle", "disc", "sphere", "plane"):
+        of_kind = np.array(getattr(surfaces, f"{kind}_motion"), np.uint32)
+        setattr(packed, f"{kind}_motion", ffi.from_buffer("uint32_t[]", of_kind))
+        keep.append(of_kind)
+    return keep
+
+
+def _motion(ffi: Any, given: Motion) -> dict[str, Any]:
+    kinds = ffi.typeof("asc_motion_kind").relements
+    if isinstance(given, Frames):
+        raise ValueError("a mesh of frames has no arrays")
+    if isinstance(given, Rotate):
+        angle = math.radians(given.degrees)
+        return {"kind": kinds["ASC_MOTION_ROTATE"], "axis": given.axis, "centre": given.centre, "angle": angle}
+    return {"kind": kinds["ASC_MOTION_TRANSLATE"], "by": given.by}
 
 
 def _light(ffi: Any, light: AnyLight) -> dict[str, Any]:

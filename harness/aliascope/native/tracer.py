@@ -15,7 +15,7 @@ from aliascope.records import Counts, Pixels
 
 DRAWS = frozenset(
     {
-        *("orthographic", "perspective", "lens"),
+        *("orthographic", "perspective", "lens", "motion"),
         *("polygon", "mesh", "disc", "sphere", "plane"),
         *("zone-plate", "checker"),
         *("point light", "directional light"),

@@ -39,7 +39,9 @@ class Embree:
         return samplers.refusal(mode.word("sampler"), mode.integer("n"), scene.needs().dimensions)
 
     def seeded(self, mode: Spec) -> bool:
-        return samplers.randomised(mode.word("sampler"), mode.integer("n"))
+        sampler, count = mode.word("sampler"), mode.integer("n")
+        planar = samplers.refusal(sampler, count) is None  # patterns of space and time have three dimensions alone
+        return samplers.randomised(sampler, count, 2 if planar else 3)
 
     def render(self, request: Request) -> Rendering:
         """The time limit is looked at between repeats only."""
