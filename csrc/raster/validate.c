@@ -149,6 +149,9 @@ static asc_status check_planes(const asc_scene *scene, asc_error *error) {
 static asc_status check_lights(const asc_scene *scene, asc_error *error) {
   for (size_t i = 0; i < scene->light_count; ++i) {
     const asc_light *light = &scene->lights[i];
+    if (light->kind == ASC_LIGHT_PARALLELOGRAM || light->kind == ASC_LIGHT_DISC || light->kind == ASC_LIGHT_SPHERE) {
+      return asc_fail(error, ASC_UNSUPPORTED, "light %zu has an area, which is not drawn", i);
+    }
     if (light->kind != ASC_LIGHT_POINT && light->kind != ASC_LIGHT_DIRECTIONAL) {
       return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu has an unknown kind, %d", i, (int)light->kind);
     }

@@ -8,6 +8,7 @@
 #include <embree3/rtcore.h>
 #include <math.h>
 
+#include "light.h"
 #include "motion.h"
 #include "tracer.h"
 
@@ -42,7 +43,7 @@ struct tracer {
   layout further;
   asc_material *materials; /* pattern origins relative to the eye, along the world's axes */
   size_t material_count;
-  asc_light *lights; /* places in the camera frame; directions of length 1, toward the light */
+  light_source *lights;
   size_t light_count;
   uint32_t *material_of[GEOMETRY_KINDS]; /* by primitive */
   plane *triangle_planes;                /* only where shading needs the point that is hit, else NULL */

@@ -148,18 +148,6 @@ static meeting find_meeting(const tracer *made, const packet *rays, uint32_t lan
   return met;
 }
 
-/* Toward the light, of length 1; returns its distance, infinite for a directional one. */
-static double toward_light(const asc_light *light, const double point[3], double toward[3]) {
-  if (light->kind == ASC_LIGHT_DIRECTIONAL) {
-    for (int i = 0; i < 3; i++) toward[i] = light->place[i];
-    return INFINITY;
-  }
-  for (int i = 0; i < 3; i++) toward[i] = light->place[i] - point[i];
-  const double distance = sqrt(dot(toward, toward));
-  for (int i = 0; i < 3; i++) toward[i] /= distance;
-  return distance;
-}
-
 /* A point moved off its surface by more than float can have moved the surface: vertices and origin are rounded to 2^-24
  * of their largest coordinate, and a triangle's plane by a few times that; and than Embree's motion is off. */
 static void lift(const meeting *met, double origin[3]) {
@@ -194,17 +182,19 @@ static void set_shadow_ray(packet *rays, uint32_t lane, const double origin[3], 
   ray->flags[lane] = 0;
 }
 
-static void add_light(const tracer *made, packet *rays, const asc_light *light, const meeting met[PACKET]) {
+static void add_light(const tracer *made, packet *rays, const light_source *from, const meeting met[PACKET]) {
+  const asc_light *given = &from->given;
+  const int has_area = light_has_area(given);
   double cosine[PACKET] = {0.0}, falloff[PACKET];
   uint32_t count = 0;
   for (uint32_t i = 0; i < PACKET; i++) {
     rays->shadowed[i] = 0;
     if (i >= rays->lanes || !met[i].material) continue;
     double toward[3], origin[3];
-    const double distance = toward_light(light, met[i].point, toward);
+    const double *u = has_area ? rays->further[i] + from->numbers : NULL;
+    const double distance = light_toward(from, u, met[i].point, toward, &falloff[i]);
     cosine[i] = dot(met[i].normal, toward);
-    falloff[i] = light->inverse_square ? 1.0 / (distance * distance) : 1.0;
-    if (!(cosine[i] > 0.0)) continue;
+    if (!(cosine[i] > 0.0) || falloff[i] == 0.0) continue;
     lift(&met[i], origin);
     if (planes_block(made, rays->time[i], origin, toward, distance)) continue;
     set_shadow_ray(rays, i, origin, toward, distance);
@@ -219,7 +209,7 @@ static void add_light(const tracer *made, packet *rays, const asc_light *light, 
     const asc_material *material = met[i].material;
     for (int channel = 0; channel < 3; channel++)
       rays->radiance[i][channel] +=
-          met[i].colour[channel] * material->albedo[channel] * light->intensity[channel] * (cosine[i] * falloff[i]);
+          met[i].colour[channel] * material->albedo[channel] * given->intensity[channel] * (cosine[i] * falloff[i]);
   }
 }
 

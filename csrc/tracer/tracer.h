@@ -25,7 +25,9 @@ ASC_API void tracer_destroy(tracer *made);
  *   2      the place in the pixel
  *   1      the time, where something moves while the shutter is open: the inverse of the response's distribution
  *   2      the point of the lens, where there is one: the disc by the concentric map; of a polygon's corners a_k, with
- *          k = floor(blades u), f = blades u - k and w the second, sqrt(w) ((1 - f) a_k + f a_(k + 1)) */
+ *          k = floor(blades u), f = blades u - k and w the second, sqrt(w) ((1 - f) a_k + f a_(k + 1))
+ *   2      each light with an area, in the scene's order: its point, uniform by area; of discs and of the cap of a
+ *          sphere that is seen by the concentric map */
 ASC_API uint32_t tracer_dimensions(const tracer *made);
 
 typedef struct tracer_desc {

@@ -67,6 +67,14 @@ def frame_of(scene: Scene, size: tuple[int, int] | None = None) -> Frame:
     )
 
 
+def across(normal: Array) -> tuple[Array, Array]:
+    """Two orthonormal axes at a right angle to a unit vector (3,), which is their cross product."""
+    smallest = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    first = np.cross(normal, smallest)
+    first /= np.linalg.norm(first)
+    return first, np.cross(normal, first)
+
+
 def plane_axes(points: Array) -> tuple[Array, Array, Array]:
     """Two orthonormal axes within the plane of a polygon's points (n, 3), and its unit normal (Newell 1972)."""
     following = np.roll(points, -1, axis=0)
@@ -76,10 +84,7 @@ def plane_axes(points: Array) -> tuple[Array, Array, Array]:
     if length == 0.0:
         raise ValueError("the polygon has no area")
     normal /= length
-    smallest = np.eye(3)[int(np.argmin(np.abs(normal)))]
-    first = np.cross(normal, smallest)
-    first /= np.linalg.norm(first)
-    return first, np.cross(normal, first), normal
+    return *across(normal), normal
 
 
 def triangulate(polygon: Polygon) -> Array:

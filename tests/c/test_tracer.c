@@ -273,6 +273,17 @@ static void broken_scenes_are_refused(void **state) {
   scene.view.lens_radius = -1;
   assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
   scene.view = flat_view(8, 8);
+  asc_light lamp = {.kind = ASC_LIGHT_PARALLELOGRAM, .edges = {{1, 2, 3}, {2, 4, 6}}};
+  scene.lights = &lamp;
+  scene.light_count = 1;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "light 0 has no area"));
+  lamp.kind = ASC_LIGHT_SPHERE;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "light 0 has no radius"));
+  lamp.kind = (asc_light_kind)9;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  scene.light_count = 0;
   asc_motion turn = {.kind = ASC_MOTION_ROTATE, .angle = 1};
   const uint32_t second = 2;
   scene.motions = &turn;

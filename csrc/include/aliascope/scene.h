@@ -91,14 +91,25 @@ typedef struct asc_motion {
 
 typedef enum asc_light_kind {
   ASC_LIGHT_POINT = 0,      /* `place` is its position */
-  ASC_LIGHT_DIRECTIONAL = 1 /* `place` is the direction in which the light travels, of any length but 0 */
+  ASC_LIGHT_DIRECTIONAL = 1, /* `place` is the direction in which the light travels, of any length but 0 */
+  ASC_LIGHT_PARALLELOGRAM = 2, /* `place` is a corner, from which `edges` go */
+  ASC_LIGHT_DISC = 3,          /* `place` is its centre, `edges` are two radii at a right angle, of one length */
+  ASC_LIGHT_SPHERE = 4         /* `place` is its centre */
 } asc_light_kind;
 
+/* Lights with an area are not seen themselves. They add pattern(p) albedo intensity times the mean of max(0, n . l)
+ * visibility over their area, both sides alike; of a sphere, over the part of it that is seen from p. With
+ * inverse_square they are Lambert emitters of radiance pi intensity / area, and add pattern(p) albedo / pi times the
+ * irradiance: times max(0, cosine at the light) / distance^2 in the mean. A parallelogram and a disc then shine to the
+ * side of edges[0] x edges[1] alone; the area of a sphere is its cross-section's, pi radius^2, so that one wholly above
+ * the horizon lights as a point light of its intensity at its centre. From within, a sphere gives no light. */
 typedef struct asc_light {
   asc_light_kind kind;
   double place[3];
   double intensity[3];     /* linear RGB */
-  uint32_t inverse_square; /* 1: a point light's intensity is divided by the squared distance */
+  uint32_t inverse_square; /* 1: the intensity is divided by the squared distance */
+  double edges[2][3];
+  double radius; /* of a sphere */
 } asc_light;
 
 typedef struct asc_scene {

@@ -8,17 +8,20 @@ from typing import Any
 import numpy as np
 
 from aliascope import motion
-from aliascope.geometry import Surfaces, frame_of, surfaces_of
+from aliascope.geometry import Surfaces, across, frame_of, surfaces_of
 from aliascope.model import (
     AnyLight,
+    AreaLight,
     Checker,
     DirectionalLight,
+    DiscLight,
     Frames,
     Material,
     Motion,
     PointLight,
     Rotate,
     Scene,
+    SphereLight,
     ZonePlate,
 )
 
@@ -96,14 +99,20 @@ def _motion(ffi: Any, given: Motion) -> dict[str, Any]:
 def _light(ffi: Any, light: AnyLight) -> dict[str, Any]:
     kinds = ffi.typeof("asc_light_kind").relements
     inverse_square = int(light.falloff == "inverse-square")
+    more: dict[str, Any] = {}
     match light:
         case PointLight(position=place):
             kind = kinds["ASC_LIGHT_POINT"]
         case DirectionalLight(direction=place):
             kind = kinds["ASC_LIGHT_DIRECTIONAL"]
-        case _:
-            raise ValueError(f"a {light.type} light has no arrays")
-    return {"kind": kind, "place": place, "intensity": light.intensity, "inverse_square": inverse_square}
+        case AreaLight(corner=place, edges=edges):
+            kind, more = kinds["ASC_LIGHT_PARALLELOGRAM"], {"edges": edges}
+        case DiscLight(centre=place, normal=normal, radius=radius):
+            first, second = across(np.array(normal) / np.linalg.norm(normal))
+            kind, more = kinds["ASC_LIGHT_DISC"], {"edges": [(radius * first).tolist(), (radius * second).tolist()]}
+        case SphereLight(centre=place, radius=radius):
+            kind, more = kinds["ASC_LIGHT_SPHERE"], {"radius": radius}
+    return {"kind": kind, "place": place, "intensity": light.intensity, "inverse_square": inverse_square, **more}
 
 
 def _pack_material(ffi: Any, target: Any, material: Material) -> None:

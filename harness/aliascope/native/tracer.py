@@ -18,7 +18,7 @@ DRAWS = frozenset(
         *("orthographic", "perspective", "lens", "motion"),
         *("polygon", "mesh", "disc", "sphere", "plane"),
         *("zone-plate", "checker"),
-        *("point light", "directional light"),
+        *("point light", "directional light", "area light", "disc light", "sphere light"),
     }
 )
 """The features of scenes that it draws."""
