@@ -49,6 +49,9 @@ static asc_status check_view(const asc_view *view, asc_error *error) {
       !(view->half_height > 0.0)) {
     return asc_fail(error, ASC_INVALID_ARGUMENT, "half_width and half_height of the view must be positive and finite");
   }
+  if (view->lens_radius != 0.0) {
+    return asc_fail(error, ASC_UNSUPPORTED, "the view has a lens, which is not drawn");
+  }
   return check_frame(view, error);
 }
 
@@ -146,6 +149,9 @@ static asc_status check_planes(const asc_scene *scene, asc_error *error) {
 static asc_status check_lights(const asc_scene *scene, asc_error *error) {
   for (size_t i = 0; i < scene->light_count; ++i) {
     const asc_light *light = &scene->lights[i];
+    if (light->kind == ASC_LIGHT_PARALLELOGRAM || light->kind == ASC_LIGHT_DISC || light->kind == ASC_LIGHT_SPHERE) {
+      return asc_fail(error, ASC_UNSUPPORTED, "light %zu has an area, which is not drawn", i);
+    }
     if (light->kind != ASC_LIGHT_POINT && light->kind != ASC_LIGHT_DIRECTIONAL) {
       return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu has an unknown kind, %d", i, (int)light->kind);
     }
@@ -183,6 +189,10 @@ static asc_status check_shadows(const asc_scene *scene, asc_error *error) {
   return ASC_OK;
 }
 
+static asc_status check_motions(const asc_scene *scene, asc_error *error) {
+  return scene->motion_count == 0 ? ASC_OK : asc_fail(error, ASC_UNSUPPORTED, "surfaces move, which is not drawn");
+}
+
 static bool arrays_are_there(const asc_scene *scene) {
   return (scene->material_count == 0 || scene->materials) &&
          (scene->triangle_count == 0 || (scene->vertices && scene->triangle_material)) &&
@@ -212,6 +222,9 @@ asc_status raster_validate(const asc_scene *scene, asc_error *error) {
   }
   if (status == ASC_OK) {
     status = check_lights(scene, error);
+  }
+  if (status == ASC_OK) {
+    status = check_motions(scene, error);
   }
   if (status == ASC_OK) {
     status = check_shadows(scene, error);

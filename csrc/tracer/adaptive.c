@@ -32,6 +32,7 @@ static asc_status trace(void *context, size_t count, const asc_pixel *pixels, co
       const double *point = points + (done + i) * self->dimensions;
       rays->sample_x[i] = pixels[done + i].x + point[0];
       rays->sample_y[i] = pixels[done + i].y + point[1];
+      rays->further[i] = point + 2;
     }
     packet_trace(self->made, rays);
     for (uint32_t i = 0; i < rays->lanes; i++)
@@ -73,7 +74,7 @@ asc_status adaptive_render(const tracer *made, const asc_estimator *estimator, u
                  .pixels = pixels,
                  .counts = counts};
   const uint32_t tiles = job.across * ((view->height + TILE - 1) / TILE);
-  const asc_status status = crew_run(threads, tiles, render_tile, &job, cost);
+  const asc_status status = crew_run(made, threads, tiles, render_tile, &job, cost);
   *samples = atomic_load(&job.samples);
   return status;
 }

@@ -23,6 +23,17 @@ static asc_status take_view(tracer *made, const asc_view *view, asc_error *error
       !finite3(view->background) || !(view->half_width > 0.0) || !(view->half_height > 0.0) ||
       !isfinite(view->half_width) || !isfinite(view->half_height))
     return asc_fail(error, ASC_INVALID_ARGUMENT, "the view has a number that is not finite, or no extent");
+  if (!(view->shutter_open <= view->shutter_close) || !isfinite(view->shutter_open) || !isfinite(view->shutter_close) ||
+      (view->response != ASC_RESPONSE_BOX && view->response != ASC_RESPONSE_TRIANGLE))
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "a shutter closes no sooner than it opens, with a known response");
+  if (!(view->lens_radius >= 0.0) || !isfinite(view->lens_radius))
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "the radius of a lens is not negative, and finite");
+  if (view->lens_radius == 0.0) return ASC_OK;
+  if (view->projection != ASC_PERSPECTIVE || !(view->focus_distance > 0.0) || !isfinite(view->focus_distance))
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "a lens has a perspective view, focused at a positive distance");
+  if (view->blades == 1 || view->blades == 2 || view->blades > 64)
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "a lens has 3 to 64 blades, or 0 where it is round, not %u",
+                    view->blades);
   return ASC_OK;
 }
 
@@ -44,27 +55,63 @@ static asc_status take_materials(tracer *made, const asc_scene *scene, asc_error
   return ASC_OK;
 }
 
+/* The extent of a light in the camera frame. */
+static asc_status take_area(const tracer *made, const asc_light *world, light_source *into, size_t number,
+                            asc_error *error) {
+  if (world->kind == ASC_LIGHT_SPHERE) {
+    if (world->radius > 0.0 && isfinite(world->radius)) return ASC_OK;
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu has no radius", number);
+  }
+  if (world->kind != ASC_LIGHT_PARALLELOGRAM && world->kind != ASC_LIGHT_DISC)
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu has an unknown kind, %d", number, (int)world->kind);
+  const double *a = world->edges[0], *b = world->edges[1];
+  const double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  const double length = sqrt(dot(cross, cross));
+  if (!(length > 0.0) || !isfinite(length))
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu has no area", number);
+  tracer_to_camera_direction(&made->view, cross, into->normal);
+  for (int i = 0; i < 3; i++) into->normal[i] /= length;
+  for (int i = 0; i < 2; i++) tracer_to_camera_direction(&made->view, world->edges[i], into->given.edges[i]);
+  return ASC_OK;
+}
+
 static asc_status take_lights(tracer *made, const asc_scene *scene, asc_error *error) {
+  asc_status status;
   made->light_count = scene->light_count;
   made->lights = calloc(scene->light_count + 1, sizeof *made->lights);
   if (!made->lights) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
   for (size_t i = 0; i < scene->light_count; i++) {
-    asc_light *light = &made->lights[i];
-    *light = scene->lights[i];
+    light_source *into = &made->lights[i];
+    into->given = scene->lights[i];
+    asc_light *given = &into->given;
     made->plain = 0;
-    if (!finite3(light->place) || !finite3(light->intensity))
+    if (!finite3(given->place) || !finite3(given->intensity))
       return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu has a number that is not finite", i);
-    if (light->kind == ASC_LIGHT_POINT) {
-      tracer_to_camera(&made->view, scene->lights[i].place, light->place);
+    status = light_has_area(given) ? take_area(made, &scene->lights[i], into, i, error) : ASC_OK;
+    if (status) return status;
+    if (given->kind != ASC_LIGHT_DIRECTIONAL) {
+      tracer_to_camera(&made->view, scene->lights[i].place, given->place);
       continue;
     }
-    tracer_to_camera_direction(&made->view, scene->lights[i].place, light->place);
-    const double length = sqrt(dot(light->place, light->place));
+    tracer_to_camera_direction(&made->view, scene->lights[i].place, given->place);
+    const double length = sqrt(dot(given->place, given->place));
     if (!(length > 0.0) || !isfinite(length))
       return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu has no direction", i);
-    for (int axis = 0; axis < 3; axis++) light->place[axis] /= -length;
+    for (int axis = 0; axis < 3; axis++) given->place[axis] /= -length;
   }
   return ASC_OK;
+}
+
+static void lay_out(tracer *made) {
+  layout *further = &made->further;
+  further->time = further->count;
+  if (made->motion_count > 0) further->count += 1;
+  further->lens = further->count;
+  if (made->view.lens_radius > 0.0) further->count += 2;
+  for (size_t i = 0; i < made->light_count; i++) {
+    made->lights[i].numbers = further->count;
+    if (light_has_area(&made->lights[i].given)) further->count += 2;
+  }
 }
 
 asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_error *error) {
@@ -72,5 +119,7 @@ asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_erro
   asc_status status = take_view(made, &scene->view, error);
   if (status == ASC_OK) status = take_materials(made, scene, error);
   if (status == ASC_OK) status = take_lights(made, scene, error);
+  if (status == ASC_OK) status = tracer_take_motions(made, scene, error);
+  if (status == ASC_OK) lay_out(made);
   return status;
 }

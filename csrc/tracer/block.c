@@ -10,21 +10,35 @@ struct block_work {
   uint32_t pixel[PACKET]; /* of the block's, by lane */
   double scale[PACKET];   /* N times the sample's weight, by lane: 1 but for quadrature rules */
   double sum[BLOCK_SIDE * BLOCK_SIDE][3];
-  double points[CHUNK][2], weights[CHUNK];
+  double weights[CHUNK];
+  double *points;  /* [CHUNK][dimensions] */
+  double *further; /* [PACKET][dimensions - 2]: of samples whose packet is not full yet */
   block area;
   const film *target; /* NULL: samples go to `sum` */
   const film_pixel *cells;
 };
 
-block_work *block_work_make(void) {
+block_work *block_work_make(const tracer *made) {
   block_work *memory = aligned_alloc(64, (sizeof *memory + 63) / 64 * 64);
   if (!memory) return NULL;
   memset(memory, 0, sizeof *memory);
   packet_begin(&memory->rays);
+  const size_t further = made->further.count;
+  memory->points = malloc(CHUNK * (2 + further) * sizeof(double));
+  if (further) memory->further = malloc(PACKET * further * sizeof(double));
+  if (!memory->points || (further && !memory->further)) {
+    block_work_free(memory);
+    return NULL;
+  }
   return memory;
 }
 
-void block_work_free(block_work *memory) { free(memory); }
+void block_work_free(block_work *memory) {
+  if (!memory) return;
+  free(memory->points);
+  free(memory->further);
+  free(memory);
+}
 
 packet *block_packet(block_work *memory) { return &memory->rays; }
 
@@ -60,17 +74,24 @@ static void flush(const tracer *made, block_work *memory) {
 static asc_status add_pixel(const tracer *made, const asc_sampler *sampler, uint64_t samples, int32_t x, int32_t y,
                             uint32_t number, block_work *memory) {
   packet *rays = &memory->rays;
+  const size_t further = made->further.count;
   const int weighted = (asc_sampler_traits(sampler) & ASC_TRAIT_WEIGHTED) != 0;
   for (uint64_t done = 0; done < samples; done += CHUNK) {
     const uint64_t left = samples - done;
-    const asc_range range = {x, y, done, left < CHUNK ? (size_t)left : CHUNK, 0, 2};
-    asc_status status = asc_sampler_fill(sampler, &range, &memory->points[0][0]);
+    const asc_range range = {x, y, done, left < CHUNK ? (size_t)left : CHUNK, 0, tracer_dimensions(made)};
+    asc_status status = asc_sampler_fill(sampler, &range, memory->points);
     if (status == ASC_OK && weighted) status = asc_sampler_weights(sampler, done, range.sample_count, memory->weights);
     if (status) return status;
     for (size_t i = 0; i < range.sample_count; i++) {
       const uint32_t lane = rays->lanes++;
-      rays->sample_x[lane] = x + memory->points[i][0];
-      rays->sample_y[lane] = y + memory->points[i][1];
+      const double *point = memory->points + i * (2 + further);
+      rays->sample_x[lane] = x + point[0];
+      rays->sample_y[lane] = y + point[1];
+      if (further) {
+        double *kept = memory->further + lane * further;
+        memcpy(kept, point + 2, further * sizeof(double));
+        rays->further[lane] = kept;
+      }
       memory->pixel[lane] = number;
       memory->scale[lane] = weighted ? (double)samples * memory->weights[i] : 1.0;
       if (rays->lanes == PACKET) flush(made, memory);

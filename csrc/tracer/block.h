@@ -11,10 +11,10 @@
 
 #define BLOCK_SIDE 4u
 
-/* A thread's memory for rays and samples. */
+/* A thread's memory for rays and samples of one tracer. */
 typedef struct block_work block_work;
 
-block_work *block_work_make(void);
+block_work *block_work_make(const tracer *made);
 void block_work_free(block_work *memory);
 
 /* Its packet, for those who fill it themselves. */

@@ -7,6 +7,7 @@
 #include "scene.h"
 
 typedef struct crew {
+  const tracer *made;
   crew_unit unit;
   void *job;
   uint32_t count;
@@ -25,7 +26,7 @@ static void *work(void *argument) {
   worker *self = argument;
   crew *shared = self->shared;
   const double begun = tracer_thread_cpu_seconds();
-  block_work *memory = block_work_make();
+  block_work *memory = block_work_make(shared->made);
   asc_status status = memory ? ASC_OK : ASC_OUT_OF_MEMORY;
   for (uint64_t unit; !status && (unit = atomic_fetch_add(&shared->next, 1)) < shared->count;) {
     status = (asc_status)atomic_load(&shared->status);
@@ -38,10 +39,10 @@ static void *work(void *argument) {
   return NULL;
 }
 
-asc_status crew_run(uint32_t threads, uint32_t count, crew_unit unit, void *job, crew_cost *cost) {
+asc_status crew_run(const tracer *made, uint32_t threads, uint32_t count, crew_unit unit, void *job, crew_cost *cost) {
   worker *workers = calloc(threads, sizeof *workers);
   if (!workers) return ASC_OUT_OF_MEMORY;
-  crew shared = {.unit = unit, .job = job, .count = count};
+  crew shared = {.made = made, .unit = unit, .job = job, .count = count};
   for (uint32_t i = 0; i < threads; i++) workers[i].shared = &shared;
   /* The first works in this thread; a thread that can't be had leaves its share to the others. */
   uint32_t started = 1;

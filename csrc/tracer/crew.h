@@ -13,7 +13,8 @@ typedef struct crew_cost {
   uint64_t shadow_rays;
 } crew_cost;
 
-/* Does units 0 to count - 1, this thread among `threads`, and adds to `cost`. Stops at the first failure. */
-asc_status crew_run(uint32_t threads, uint32_t count, crew_unit unit, void *job, crew_cost *cost);
+/* Does units 0 to count - 1, this thread among `threads`, each with memory for the tracer, and adds to `cost`. Stops at
+ * the first failure. */
+asc_status crew_run(const tracer *made, uint32_t threads, uint32_t count, crew_unit unit, void *job, crew_cost *cost);
 
 #endif

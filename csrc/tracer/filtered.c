@@ -43,11 +43,11 @@ asc_status filtered_render(const tracer *made, const asc_sampler *sampler, const
   while (job.first_row < target->down) {
     const uint32_t left = target->down - job.first_row;
     const uint32_t rows = left < target->rows ? left : target->rows;
-    asc_status status = crew_run(threads, rows * target->across, add_tile, &job, cost);
+    asc_status status = crew_run(made, threads, rows * target->across, add_tile, &job, cost);
     if (status) return status;
     job.first_row += rows;
     const uint32_t complete = film_complete(target, job.first_row);
-    status = crew_run(threads, complete - job.first_y, write_row, &job, cost);
+    status = crew_run(made, threads, complete - job.first_y, write_row, &job, cost);
     if (status) return status;
     job.first_y = complete;
   }

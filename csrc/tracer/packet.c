@@ -1,5 +1,9 @@
 #include "packet.h"
 
+#include <string.h>
+
+#include "lens.h"
+
 void packet_begin(packet *rays) {
   rtcInitIntersectContext(&rays->context);
   rays->context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -33,12 +37,38 @@ static void make_rays(const asc_view *view, packet *rays) {
   }
 }
 
+/* From the lens: to where the ray through its middle meets the plane of focus. */
+static void move_to_lens(const tracer *made, packet *rays) {
+  struct RTCRay16 *ray = &rays->rays.ray;
+  double u[PACKET][2];
+  for (int i = 0; i < PACKET; i++) memcpy(u[i], rays->further[i] + made->further.lens, sizeof u[i]);
+  lens_points(&made->view, PACKET, (const double(*)[2])u, rays->lens);
+  const double nearness = 1.0 / made->view.focus_distance;
+  for (int i = 0; i < PACKET; i++) {
+    ray->org_x[i] = (float)rays->lens[i][0];
+    ray->org_y[i] = (float)rays->lens[i][1];
+    ray->dir_x[i] -= (float)(rays->lens[i][0] * nearness);
+    ray->dir_y[i] -= (float)(rays->lens[i][1] * nearness);
+  }
+}
+
+static void set_times(const tracer *made, packet *rays) {
+  const asc_view *view = &made->view;
+  for (int i = 0; i < PACKET; i++) {
+    const double moment = shutter_moment(view->response, rays->further[i][made->further.time]);
+    rays->rays.ray.time[i] = (float)moment;
+    rays->time[i] = view->shutter_open + (view->shutter_close - view->shutter_open) * moment;
+  }
+}
+
 static void take_emission(const tracer *made, packet *rays) {
   const struct RTCHit16 *hit = &rays->rays.hit;
   for (uint32_t i = 0; i < rays->lanes; i++) {
     const double *from = made->view.background;
-    if (hit->geomID[i] != RTC_INVALID_GEOMETRY_ID)
-      from = made->materials[made->material_of[hit->geomID[i]][hit->primID[i]]].emission;
+    if (hit->geomID[i] != RTC_INVALID_GEOMETRY_ID) {
+      const surface met = tracer_surface(made, hit->geomID[i], hit->primID[i]);
+      from = made->materials[made->material_of[met.kind][met.number]].emission;
+    }
     for (int channel = 0; channel < 3; channel++) rays->radiance[i][channel] = from[channel];
   }
 }
@@ -49,8 +79,11 @@ void packet_trace(const tracer *made, packet *rays) {
     if (i < rays->lanes) continue;
     rays->sample_x[i] = rays->sample_x[0]; /* not traced; but numbers, for the arithmetic */
     rays->sample_y[i] = rays->sample_y[0];
+    rays->further[i] = rays->further[0];
   }
   make_rays(&made->view, rays);
+  if (made->view.lens_radius > 0.0) move_to_lens(made, rays);
+  if (made->motion_count > 0) set_times(made, rays);
   rtcIntersect16(rays->valid, made->scene, &rays->context, &rays->rays);
   if (made->plain)
     take_emission(made, rays);

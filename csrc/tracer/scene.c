@@ -1,8 +1,11 @@
-/* Surfaces: moved to the camera in double, handed to Embree as float, kept in double where shading needs the point. */
+/* Surfaces: moved to the camera in double, kept in double where shading needs the point; geometry.c hands them to
+ * Embree. */
 #include <stdlib.h>
 #include <string.h>
 
-#include "scene.h"
+#include "geometry.h"
+
+#define WHOLE_TURN (2.0 * 3.14159265358979323846 * (1.0 + 1e-12)) /* given in degrees, it is rounded */
 
 /* Copies the materials of one kind of primitive. */
 static asc_status take_indices(tracer *made, int kind, const void *first, size_t stride, size_t count,
@@ -17,17 +20,6 @@ static asc_status take_indices(tracer *made, int kind, const void *first, size_t
     made->material_of[kind][i] = index;
   }
   return ASC_OK;
-}
-
-static void *shared_buffer(RTCGeometry geometry, enum RTCBufferType type, enum RTCFormat format, size_t stride,
-                           size_t count) {
-  return rtcSetNewGeometryBuffer(geometry, type, 0, format, stride, count);
-}
-
-static void attach(tracer *made, RTCGeometry geometry, unsigned id) {
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(made->scene, geometry, id);
-  rtcReleaseGeometry(geometry);
 }
 
 /* The plane through a triangle's corners, in the camera frame. */
@@ -50,30 +42,20 @@ static asc_status take_triangles(tracer *made, const asc_scene *scene, asc_error
   asc_status status =
       take_indices(made, TRIANGLES, scene->triangle_material, sizeof *scene->triangle_material, count, error);
   if (status) return status;
-  RTCGeometry geometry = rtcNewGeometry(made->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  float *vertices = shared_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 3 * count);
-  uint32_t *indices = shared_buffer(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), count);
   if (!made->plain) made->triangle_planes = malloc(count * sizeof *made->triangle_planes);
-  if (!vertices || !indices || (!made->plain && !made->triangle_planes)) {
-    rtcReleaseGeometry(geometry);
+  if (!made->plain && !made->triangle_planes)
     return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu triangles", count);
-  }
   for (size_t i = 0; i < count; i++) {
     double corner[3][3];
     for (size_t k = 0; k < 3; k++) {
       const double *world = scene->vertices + 9 * i + 3 * k;
-      if (!finite3(world)) {
-        rtcReleaseGeometry(geometry);
+      if (!finite3(world))
         return asc_fail(error, ASC_INVALID_ARGUMENT, "triangle %zu has a corner that is not finite", i);
-      }
       tracer_to_camera(&made->view, world, corner[k]);
-      for (size_t axis = 0; axis < 3; axis++) vertices[9 * i + 3 * k + axis] = (float)corner[k][axis];
-      indices[3 * i + k] = (uint32_t)(3 * i + k);
     }
     if (!made->plain) made->triangle_planes[i] = plane_of((const double(*)[3])corner);
   }
-  attach(made, geometry, TRIANGLES);
-  return ASC_OK;
+  return geometry_take(made, scene, TRIANGLES, count, error);
 }
 
 static asc_status take_discs(tracer *made, const asc_scene *scene, asc_error *error) {
@@ -81,35 +63,21 @@ static asc_status take_discs(tracer *made, const asc_scene *scene, asc_error *er
   if (count == 0) return ASC_OK;
   asc_status status = take_indices(made, DISCS, &scene->discs[0].material, sizeof(asc_disc), count, error);
   if (status) return status;
-  RTCGeometry geometry = rtcNewGeometry(made->device, RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT);
-  float *points = shared_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 4 * sizeof(float), count);
-  float *normals = shared_buffer(geometry, RTC_BUFFER_TYPE_NORMAL, RTC_FORMAT_FLOAT3, 3 * sizeof(float), count);
   made->disc_planes = malloc(count * sizeof *made->disc_planes);
-  if (!points || !normals || !made->disc_planes) {
-    rtcReleaseGeometry(geometry);
-    return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu discs", count);
-  }
+  if (!made->disc_planes) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu discs", count);
   for (size_t i = 0; i < count; i++) {
     const asc_disc *disc = &scene->discs[i];
     double centre[3], normal[3];
     tracer_to_camera(&made->view, disc->centre, centre);
     tracer_to_camera_direction(&made->view, disc->normal, normal);
     const double length = sqrt(dot(normal, normal));
-    if (!finite3(centre) || !(length > 0.0) || !isfinite(length) || !(disc->radius > 0.0) || !isfinite(disc->radius)) {
-      rtcReleaseGeometry(geometry);
+    if (!finite3(centre) || !(length > 0.0) || !isfinite(length) || !(disc->radius > 0.0) || !isfinite(disc->radius))
       return asc_fail(error, ASC_INVALID_ARGUMENT, "disc %zu is not finite, or has no radius or normal", i);
-    }
     plane *facing = &made->disc_planes[i];
-    for (size_t axis = 0; axis < 3; axis++) {
-      facing->normal[axis] = normal[axis] / length;
-      points[4 * i + axis] = (float)centre[axis];
-      normals[3 * i + axis] = (float)facing->normal[axis];
-    }
-    points[4 * i + 3] = (float)disc->radius;
+    for (size_t axis = 0; axis < 3; axis++) facing->normal[axis] = normal[axis] / length;
     facing->offset = dot(facing->normal, centre);
   }
-  attach(made, geometry, DISCS);
-  return ASC_OK;
+  return geometry_take(made, scene, DISCS, count, error);
 }
 
 static asc_status take_spheres(tracer *made, const asc_scene *scene, asc_error *error) {
@@ -117,26 +85,16 @@ static asc_status take_spheres(tracer *made, const asc_scene *scene, asc_error *
   if (count == 0) return ASC_OK;
   asc_status status = take_indices(made, SPHERES, &scene->spheres[0].material, sizeof(asc_sphere), count, error);
   if (status) return status;
-  RTCGeometry geometry = rtcNewGeometry(made->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-  float *points = shared_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 4 * sizeof(float), count);
   made->balls = malloc(count * sizeof *made->balls);
-  if (!points || !made->balls) {
-    rtcReleaseGeometry(geometry);
-    return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu spheres", count);
-  }
+  if (!made->balls) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu spheres", count);
   for (size_t i = 0; i < count; i++) {
     ball *made_ball = &made->balls[i];
     tracer_to_camera(&made->view, scene->spheres[i].centre, made_ball->centre);
     made_ball->radius = scene->spheres[i].radius;
-    if (!finite3(made_ball->centre) || !(made_ball->radius > 0.0) || !isfinite(made_ball->radius)) {
-      rtcReleaseGeometry(geometry);
+    if (!finite3(made_ball->centre) || !(made_ball->radius > 0.0) || !isfinite(made_ball->radius))
       return asc_fail(error, ASC_INVALID_ARGUMENT, "sphere %zu is not finite, or has no radius", i);
-    }
-    for (size_t axis = 0; axis < 3; axis++) points[4 * i + axis] = (float)made_ball->centre[axis];
-    points[4 * i + 3] = (float)made_ball->radius;
   }
-  attach(made, geometry, SPHERES);
-  return ASC_OK;
+  return geometry_take(made, scene, SPHERES, count, error);
 }
 
 static asc_status take_planes(tracer *made, const asc_scene *scene, asc_error *error) {
@@ -159,6 +117,50 @@ static asc_status take_planes(tracer *made, const asc_scene *scene, asc_error *e
     endless->offset = dot(endless->normal, point);
   }
   return ASC_OK;
+}
+
+static asc_status take_motion_of(tracer *made, int kind, const uint32_t *motions, size_t count, asc_error *error) {
+  if (!motions || count == 0) return ASC_OK;
+  made->motion_of[kind] = calloc(count, sizeof *made->motion_of[kind]);
+  if (!made->motion_of[kind]) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
+  for (size_t i = 0; i < count; i++) {
+    if (motions[i] > made->motion_count)
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "a surface names motion %u of %zu", motions[i], made->motion_count);
+    if (motions[i] > 0) made->motion_of[kind][i] = &made->motions[motions[i] - 1];
+  }
+  return ASC_OK;
+}
+
+asc_status tracer_take_motions(tracer *made, const asc_scene *scene, asc_error *error) {
+  const asc_view *view = &made->view;
+  if (scene->motion_count == 0) return ASC_OK;
+  if (!(view->shutter_open < view->shutter_close))
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "surfaces move, and the shutter is open for no time");
+  made->motions = calloc(scene->motion_count, sizeof *made->motions);
+  if (!made->motions) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
+  made->motion_count = scene->motion_count;
+  for (size_t i = 0; i < scene->motion_count; i++) {
+    const asc_motion *world = &scene->motions[i];
+    asc_motion *motion = &made->motions[i];
+    *motion = *world;
+    tracer_to_camera_direction(view, world->by, motion->by);
+    tracer_to_camera_direction(view, world->axis, motion->axis);
+    tracer_to_camera(view, world->centre, motion->centre);
+    motion->angle = -world->angle; /* x right, y up, z forward is left-handed */
+    const double length = sqrt(dot(motion->axis, motion->axis));
+    const int turns = motion->kind == ASC_MOTION_ROTATE;
+    if (!finite3(motion->by) || !finite3(motion->centre) || !isfinite(motion->angle) || !isfinite(length) ||
+        (turns && !(length > 0.0)))
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "motion %zu is not finite, or has no axis", i);
+    for (int axis = 0; axis < 3 && turns; axis++) motion->axis[axis] /= length;
+    if (turns && !(fabs(motion->angle) * (view->shutter_close - view->shutter_open) <= WHOLE_TURN))
+      return asc_fail(error, ASC_UNSUPPORTED, "motion %zu turns by more than 360 degrees while the shutter is open", i);
+  }
+  asc_status status = take_motion_of(made, TRIANGLES, scene->triangle_motion, scene->triangle_count, error);
+  if (status == ASC_OK) status = take_motion_of(made, DISCS, scene->disc_motion, scene->disc_count, error);
+  if (status == ASC_OK) status = take_motion_of(made, SPHERES, scene->sphere_motion, scene->sphere_count, error);
+  if (status == ASC_OK) status = take_motion_of(made, PLANES, scene->plane_motion, scene->plane_count, error);
+  return status;
 }
 
 asc_status tracer_take_geometry(tracer *made, const asc_scene *scene, asc_error *error) {

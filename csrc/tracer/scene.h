@@ -8,6 +8,8 @@
 #include <embree3/rtcore.h>
 #include <math.h>
 
+#include "light.h"
+#include "motion.h"
 #include "tracer.h"
 
 /* The first three are Embree's geometries; planes have no bounds, so they are met here, in double. */
@@ -21,13 +23,27 @@ typedef struct ball {
   double centre[3], radius;
 } ball;
 
+/* Where a sample has its numbers for each of what it chooses, from the third of them on; tracer.h has their order. */
+typedef struct layout {
+  uint32_t time;
+  uint32_t lens;
+  uint32_t count;
+} layout;
+
+/* What one of Embree's geometries holds, where some move: surfaces of one kind and motion. */
+typedef struct part {
+  uint32_t kind;
+  uint32_t *members; /* by primitive, the surface's number among those of its kind */
+} part;
+
 struct tracer {
   RTCDevice device;
   RTCScene scene;
   asc_view view;
+  layout further;
   asc_material *materials; /* pattern origins relative to the eye, along the world's axes */
   size_t material_count;
-  asc_light *lights; /* places in the camera frame; directions of length 1, toward the light */
+  light_source *lights;
   size_t light_count;
   uint32_t *material_of[GEOMETRY_KINDS]; /* by primitive */
   plane *triangle_planes;                /* only where shading needs the point that is hit, else NULL */
@@ -35,6 +51,11 @@ struct tracer {
   ball *balls;
   plane *planes;
   size_t plane_count;
+  asc_motion *motions; /* in the camera frame, axes of length 1 */
+  size_t motion_count;
+  const asc_motion **motion_of[GEOMETRY_KINDS]; /* by surface, NULL where it stands still; NULL: all do */
+  part *parts; /* by Embree's geometry; NULL where nothing moves: there it is the kind, with all its surfaces */
+  size_t part_count;
   int plain; /* no pattern, light or plane: what Embree finds is all that shading needs */
   double build_cpu_seconds;
 };
@@ -44,6 +65,24 @@ asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_erro
 
 /* Makes the geometries in the camera frame and builds the acceleration structure. */
 asc_status tracer_take_geometry(tracer *made, const asc_scene *scene, asc_error *error);
+
+/* Copies the motions into the camera frame, and which surface has which. */
+asc_status tracer_take_motions(tracer *made, const asc_scene *scene, asc_error *error);
+
+/* The surface that Embree met. */
+typedef struct surface {
+  uint32_t kind, number;
+} surface;
+
+static inline surface tracer_surface(const tracer *made, uint32_t geometry, uint32_t primitive) {
+  if (!made->parts) return (surface){geometry, primitive};
+  return (surface){made->parts[geometry].kind, made->parts[geometry].members[primitive]};
+}
+
+/* How a surface moves; NULL where it stands still. */
+static inline const asc_motion *tracer_motion(const tracer *made, surface of) {
+  return made->motion_of[of.kind] ? made->motion_of[of.kind][of.number] : NULL;
+}
 
 /* Turns a point or a direction of the world into the camera's frame. */
 void tracer_to_camera(const asc_view *view, const double world[3], double camera[3]);

@@ -42,11 +42,19 @@ asc_status tracer_create(const asc_scene *scene, tracer **made, asc_error *error
   return ASC_OK;
 }
 
+uint32_t tracer_dimensions(const tracer *made) { return 2 + made->further.count; }
+
 void tracer_destroy(tracer *made) {
   if (!made) return;
   if (made->scene) rtcReleaseScene(made->scene);
   if (made->device) rtcReleaseDevice(made->device);
-  for (int kind = 0; kind < GEOMETRY_KINDS; kind++) free(made->material_of[kind]);
+  for (int kind = 0; kind < GEOMETRY_KINDS; kind++) {
+    free(made->material_of[kind]);
+    free(made->motion_of[kind]);
+  }
+  for (size_t i = 0; i < made->part_count; i++) free(made->parts[i].members);
+  free(made->parts);
+  free(made->motions);
   free(made->materials);
   free(made->triangle_planes);
   free(made->disc_planes);
@@ -91,7 +99,7 @@ static asc_status render(const tracer *made, const tracer_desc *desc, uint64_t s
   if (is_box(desc->filter)) {
     picture job = {made, desc->sampler, samples, pixels};
     *all_samples = samples * view->width * view->height;
-    return crew_run(threads, (view->height + BLOCK_SIDE - 1) / BLOCK_SIDE, render_row, &job, cost);
+    return crew_run(made, threads, (view->height + BLOCK_SIDE - 1) / BLOCK_SIDE, render_row, &job, cost);
   }
   film target;
   asc_status status = film_make(&target, desc->filter, view->width, view->height, samples);
@@ -108,8 +116,9 @@ asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, t
     return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_render: the desc needs its struct_size and a sampler");
   asc_sampler_desc sampling;
   asc_status status = asc_sampler_resolved(desc->sampler, &sampling);
-  if (status || sampling.dimensions < 2)
-    return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_render: the sampler needs two dimensions");
+  if (status || sampling.dimensions < tracer_dimensions(made))
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_render: the sampler needs %u dimensions",
+                    tracer_dimensions(made));
   crew_cost spent = {0};
   uint64_t samples = 0;
   const double begun = seconds(CLOCK_MONOTONIC);
@@ -133,9 +142,10 @@ asc_status tracer_render_adaptive(tracer *made, const tracer_adaptive_desc *desc
   asc_sampler_desc sampling;
   asc_status status = asc_estimator_resolved(desc->estimator, &estimator);
   if (status == ASC_OK) status = asc_sampler_resolved(estimator.sampler, &sampling);
-  if (status || estimator.channels != 3 || sampling.dimensions < 2)
+  if (status || estimator.channels != 3 || sampling.dimensions < tracer_dimensions(made))
     return asc_fail(error, ASC_INVALID_ARGUMENT,
-                    "tracer_render_adaptive: the estimator needs three channels, and a sampler of two dimensions");
+                    "tracer_render_adaptive: the estimator needs three channels, and a sampler of %u dimensions",
+                    tracer_dimensions(made));
   crew_cost spent = {0};
   uint64_t samples = 0;
   const double begun = seconds(CLOCK_MONOTONIC);

@@ -19,9 +19,20 @@ typedef struct tracer tracer;
 ASC_API asc_status tracer_create(const asc_scene *scene, tracer **made, asc_error *error);
 ASC_API void tracer_destroy(tracer *made);
 
+/* How many numbers each sample has: the dimensions that a sampler needs. What a scene does not ask for has none. In
+ * this order, so many each:
+ *
+ *   2      the place in the pixel
+ *   1      the time, where something moves while the shutter is open: the inverse of the response's distribution
+ *   2      the point of the lens, where there is one: the disc by the concentric map; of a polygon's corners a_k, with
+ *          k = floor(blades u), f = blades u - k and w the second, sqrt(w) ((1 - f) a_k + f a_(k + 1))
+ *   2      each light with an area, in the scene's order: its point, uniform by area; of discs and of the cap of a
+ *          sphere that is seen by the concentric map */
+ASC_API uint32_t tracer_dimensions(const tracer *made);
+
 typedef struct tracer_desc {
   size_t struct_size;
-  const asc_sampler *sampler; /* its N is the number of samples a pixel; at least 2 dimensions; not owned */
+  const asc_sampler *sampler; /* its N is the number of samples a pixel; at least tracer_dimensions; not owned */
   uint32_t threads;           /* 0: 1 */
   const asc_filter *filter;   /* NULL: box; not owned */
 } tracer_desc;
@@ -43,7 +54,7 @@ ASC_API asc_status tracer_render(tracer *made, const tracer_desc *desc, float *p
 
 typedef struct tracer_adaptive_desc {
   size_t struct_size;
-  const asc_estimator *estimator; /* of three channels; not owned */
+  const asc_estimator *estimator; /* of three channels, its sampler of at least tracer_dimensions; not owned */
   uint32_t threads;               /* 0: 1 */
 } tracer_adaptive_desc;
 

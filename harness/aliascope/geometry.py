@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from aliascope.model import Disc, LoadedMesh, Plane, Polygon, Scene, Sphere, Vector
+from aliascope.model import Disc, LoadedMesh, Motion, Plane, Polygon, Scene, Sphere, Vector
 
 Array = NDArray[np.float64]
 
@@ -67,6 +67,14 @@ def frame_of(scene: Scene, size: tuple[int, int] | None = None) -> Frame:
     )
 
 
+def across(normal: Array) -> tuple[Array, Array]:
+    """Two orthonormal axes at a right angle to a unit vector (3,), which is their cross product."""
+    smallest = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    first = np.cross(normal, smallest)
+    first /= np.linalg.norm(first)
+    return first, np.cross(normal, first)
+
+
 def plane_axes(points: Array) -> tuple[Array, Array, Array]:
     """Two orthonormal axes within the plane of a polygon's points (n, 3), and its unit normal (Newell 1972)."""
     following = np.roll(points, -1, axis=0)
@@ -76,10 +84,7 @@ def plane_axes(points: Array) -> tuple[Array, Array, Array]:
     if length == 0.0:
         raise ValueError("the polygon has no area")
     normal /= length
-    smallest = np.eye(3)[int(np.argmin(np.abs(normal)))]
-    first = np.cross(normal, smallest)
-    first /= np.linalg.norm(first)
-    return first, np.cross(normal, first), normal
+    return *across(normal), normal
 
 
 def triangulate(polygon: Polygon) -> Array:
@@ -112,7 +117,8 @@ class Surfaces:
     """A scene's surfaces as arrays; materials by index into `materials`, its names in order of first use.
 
     triangles (n, 3, 3), triangle_material (n,); discs (centre, normal, radius, material), spheres (centre, radius,
-    material) and planes (point, normal, material) as the scene states them.
+    material) and planes (point, normal, material) as the scene states them, at time 0. What moves has, by kind and in
+    the same order, one more than the index of its motion, and 0 what stands still.
     """
 
     materials: tuple[str, ...]
@@ -121,6 +127,11 @@ class Surfaces:
     discs: tuple[tuple[Vector, Vector, float, int], ...]
     spheres: tuple[tuple[Vector, float, int], ...]
     planes: tuple[tuple[Vector, Vector, int], ...]
+    motions: tuple[Motion, ...]
+    triangle_motion: NDArray[np.uint32]
+    disc_motion: tuple[int, ...]
+    sphere_motion: tuple[int, ...]
+    plane_motion: tuple[int, ...]
 
 
 def surfaces_of(scene: Scene) -> Surfaces:
@@ -132,13 +143,20 @@ def surfaces_of(scene: Scene) -> Surfaces:
     discs: list[tuple[Vector, Vector, float, int]] = []
     spheres: list[tuple[Vector, float, int]] = []
     planes: list[tuple[Vector, Vector, int]] = []
+    motions = tuple(dict.fromkeys(surface.motion for surface in scene.surfaces if surface.motion))
+    moving = {None: 0} | {motion: i for i, motion in enumerate(motions, 1)}
+    triangle_motion: list[NDArray[np.uint32]] = []
+    round_motion: dict[type, list[int]] = {Disc: [], Sphere: [], Plane: []}
     for surface in scene.surfaces:
-        number = index[surface.material]
+        number, motion = index[surface.material], moving[surface.motion]
+        if type(surface) in round_motion:
+            round_motion[type(surface)].append(motion)
         match surface:  # a mesh was read with its file
             case Polygon():
                 pieces = triangulate(surface)
                 triangles.append(pieces)
                 material.append(np.full(len(pieces), number, np.uint32))
+                triangle_motion.append(np.full(len(pieces), motion, np.uint32))
             case Disc(centre=centre, normal=normal, radius=radius):
                 discs.append((centre, normal, radius, number))
             case Sphere(centre=centre, radius=radius):
@@ -148,6 +166,7 @@ def surfaces_of(scene: Scene) -> Surfaces:
             case LoadedMesh(triangles=pieces):
                 triangles.append(pieces)
                 material.append(np.full(len(pieces), number, np.uint32))
+                triangle_motion.append(np.full(len(pieces), motion, np.uint32))
     return Surfaces(
         materials=names,
         triangles=np.concatenate(triangles) if triangles else np.zeros((0, 3, 3)),
@@ -155,4 +174,9 @@ def surfaces_of(scene: Scene) -> Surfaces:
         discs=tuple(discs),
         spheres=tuple(spheres),
         planes=tuple(planes),
+        motions=motions,
+        triangle_motion=np.concatenate(triangle_motion) if triangle_motion else np.zeros(0, np.uint32),
+        disc_motion=tuple(round_motion[Disc]),
+        sphere_motion=tuple(round_motion[Sphere]),
+        plane_motion=tuple(round_motion[Plane]),
     )

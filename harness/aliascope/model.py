@@ -65,6 +65,8 @@ class Camera(Part):
             raise ValueError("lens_radius and focus_distance come together")
         if self.lens_radius is not None and not perspective:
             raise ValueError('a lens is for a "perspective" camera')
+        if self.blades in (1, 2):
+            raise ValueError(f"a lens has 3 blades or more, or 0 where it is round, not {self.blades}")
         if self.shutter is not None and not 0.0 <= self.shutter[0] <= self.shutter[1] <= 1.0:
             raise ValueError("shutter is [open, close] with 0 <= open <= close <= 1")
         forward = [b - a for a, b in zip(self.eye, self.look_at, strict=True)]
@@ -323,6 +325,12 @@ class Needs(Part):
     gloss: bool
     diffuse_bounces: int
 
+    @property
+    def dimensions(self) -> int:
+        """Of a sample: two of the pixel, one of time, two of the lens, two of each area light; tracer.h has their
+        order. Reflection has none yet."""
+        return 2 + self.shutter + 2 * self.lens + 2 * self.area_lights
+
 
 class Scene(Part):
     title: str
@@ -347,6 +355,7 @@ class Scene(Part):
         asked = {"lens": needs.lens, "mirror": needs.mirror, "gloss": needs.gloss}
         # Reading a scene file leaves motion only where a shutter is open (`motion.at`).
         asked["motion"] = any(surface.motion for surface in self.surfaces)
+        asked["mesh of frames"] = needs.shutter and any(isinstance(each.motion, Frames) for each in self.surfaces)
         asked["diffuse bounces"] = needs.diffuse_bounces > 0
         found.update(name for name, there in asked.items() if there)
         for surface in self.surfaces:

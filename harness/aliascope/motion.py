@@ -6,8 +6,23 @@ import math
 
 import numpy as np
 
+from aliascope.errors import InvalidInput
 from aliascope.geometry import Array
-from aliascope.model import AnySurface, Disc, Frames, LoadedMesh, Mesh, Plane, Polygon, Rotate, Scene, Sphere, Translate
+from aliascope.model import (
+    AnySurface,
+    Checker,
+    Disc,
+    Frames,
+    LoadedMesh,
+    Mesh,
+    Plane,
+    Polygon,
+    Rotate,
+    Scene,
+    Sphere,
+    Translate,
+    ZonePlate,
+)
 
 
 def transform(motion: Translate | Rotate, time: float) -> tuple[Array, Array]:
@@ -67,8 +82,34 @@ def between(mesh: LoadedMesh, time: float) -> Array:
     return np.asarray((1.0 - share) * first + share * mesh.frames[before])
 
 
+def stilled(scene: Scene) -> Scene:
+    """The scene as it is when its shutter opens, where that is an instant or there is none; else as given."""
+    if scene.needs().shutter or not any(surface.motion for surface in scene.surfaces):
+        return scene
+    return at(scene, scene.camera.shutter[0] if scene.camera.shutter else 0.0)
+
+
 def at(scene: Scene, time: float) -> Scene:
-    """The scene at a moment: nothing moves, and the shutter is an instant, which is no need."""
+    """The scene at a moment: nothing moves, and the shutter is an instant, which is no need. Patterns have gone with
+    their surfaces. Raises InvalidInput for a checker that has turned."""
     camera = scene.camera.model_copy(update={"shutter": None, "response": "box"})
-    surfaces = tuple(moved(surface, time) for surface in scene.surfaces)
-    return scene.model_copy(update={"camera": camera, "surfaces": surfaces})
+    materials, surfaces = dict(scene.materials), []
+    for number, surface in enumerate(scene.surfaces):
+        material, still = scene.materials[surface.material], moved(surface, time)
+        if material.pattern and isinstance(surface.motion, Translate | Rotate):
+            name = f"{surface.material} of surface {number}"
+            materials[name] = material.model_copy(update={"pattern": _carried(material.pattern, surface.motion, time)})
+            still = still.model_copy(update={"material": name})
+        surfaces.append(still)
+    return scene.model_copy(update={"camera": camera, "materials": materials, "surfaces": tuple(surfaces)})
+
+
+def _carried(pattern: ZonePlate | Checker, motion: Translate | Rotate, time: float) -> ZonePlate | Checker:
+    """The pattern where the surface that it rides on has taken it."""
+    if isinstance(pattern, Checker) and isinstance(motion, Rotate) and math.radians(motion.degrees) * time != 0.0:
+        raise InvalidInput(
+            "a checker that has turned has no still scene: its squares lie along the axes; "
+            "open the shutter for a while, or take a zone plate"
+        )
+    matrix, offset = transform(motion, time)
+    return pattern.model_copy(update={"origin": tuple((matrix @ pattern.origin + offset).tolist())})

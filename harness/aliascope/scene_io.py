@@ -71,9 +71,10 @@ def load_file(path: Path) -> SceneFile:
         raise InvalidInput(_message(path, lines, details[0]) + more) from error
     _check_surfaces(path, lines, scene)
     scene = scene.with_meshes(_meshes(path, lines, scene))
-    if not scene.needs().shutter and any(surface.motion for surface in scene.surfaces):
-        scene = motion.at(scene, scene.camera.shutter[0] if scene.camera.shutter else 0.0)
-    return SceneFile(path.stem, path, scene)
+    try:
+        return SceneFile(path.stem, path, motion.stilled(scene))
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}:{_line(lines, ('camera', 'shutter'))}: camera.shutter: {error}") from error
 
 
 def _meshes(path: Path, lines: dict[Path_, int], scene: Scene) -> dict[int, LoadedMesh]:

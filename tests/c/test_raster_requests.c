@@ -66,7 +66,7 @@ static void test_bad_scenes_are_refused(void **state) {
   REFUSED(s->planes[0].point[1] = (double)INFINITY, "plane 0");
   REFUSED(s->planes[0].material = 1, "plane 0 names");
   REFUSED(s->scene.lights = NULL, "NULL");
-  REFUSED(s->lights[0].kind = (asc_light_kind)2, "light 0");
+  REFUSED(s->lights[0].kind = (asc_light_kind)5, "light 0");
   REFUSED(s->lights[0].place[2] = 0.0, "direction");
   REFUSED(s->lights[0].intensity[0] = (double)NAN, "light 0");
   REFUSED(s->lights[0].inverse_square = 2, "inverse_square");
@@ -128,6 +128,20 @@ static asc_status try_render(raster *made, uint32_t samples, const double *offse
   return status;
 }
 
+static void test_what_only_the_tracer_draws_is_refused(void **state) {
+  (void)state;
+  asc_sphere sphere;
+  stage *s = crowd(&sphere, 1, 1);
+  s->scene.view.lens_radius = 0.1;
+  refused_as(s, ASC_UNSUPPORTED, "lens");
+  s = crowd(&sphere, 1, 1);
+  s->scene.motion_count = 1;
+  refused_as(s, ASC_UNSUPPORTED, "move");
+  s = crowd(&sphere, 1, 1);
+  s->lights[0].kind = ASC_LIGHT_SPHERE;
+  refused_as(s, ASC_UNSUPPORTED, "has an area");
+}
+
 static void test_bad_requests_are_refused(void **state) {
   (void)state;
   stage *s = fine_stage();
@@ -179,6 +193,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_bad_scenes_are_refused),
       cmocka_unit_test(test_more_shadows_than_can_be_tested_are_refused),
+      cmocka_unit_test(test_what_only_the_tracer_draws_is_refused),
       cmocka_unit_test(test_bad_requests_are_refused),
       cmocka_unit_test(test_a_colour_beyond_float_is_reported),
       cmocka_unit_test(test_it_says_what_it_is),

@@ -261,6 +261,50 @@ static void broken_scenes_are_refused(void **state) {
   scene.view.width = 0;
   assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
   scene.view.width = 8;
+  scene.view.lens_radius = 0.5; /* orthographic, and not focused */
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "focused"));
+  scene.view.projection = ASC_PERSPECTIVE;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  scene.view.focus_distance = 1;
+  scene.view.blades = 2;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "3 to 64 blades"));
+  scene.view.lens_radius = -1;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  scene.view = flat_view(8, 8);
+  asc_light lamp = {.kind = ASC_LIGHT_PARALLELOGRAM, .edges = {{1, 2, 3}, {2, 4, 6}}};
+  scene.lights = &lamp;
+  scene.light_count = 1;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "light 0 has no area"));
+  lamp.kind = ASC_LIGHT_SPHERE;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "light 0 has no radius"));
+  lamp.kind = (asc_light_kind)9;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  scene.light_count = 0;
+  asc_motion turn = {.kind = ASC_MOTION_ROTATE, .angle = 1};
+  const uint32_t second = 2;
+  scene.motions = &turn;
+  scene.motion_count = 1;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "open for no time"));
+  scene.view.shutter_close = -1;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  scene.view.shutter_close = 1;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "axis"));
+  turn.axis[1] = 2;
+  turn.angle = 7;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_UNSUPPORTED);
+  turn.angle = 1;
+  scene.triangle_motion = &second;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "motion 2 of 1"));
+  scene.triangle_motion = NULL;
+  scene.motion_count = 0;
+  scene.view = flat_view(8, 8);
   const asc_disc flat = {{0, 0, 0}, {0, 0, 0}, 1, 0};
   scene.discs = &flat;
   scene.disc_count = 1;
@@ -269,6 +313,73 @@ static void broken_scenes_are_refused(void **state) {
   scene.struct_size = 1;
   assert_int_equal(tracer_create(&scene, &made, NULL), ASC_INVALID_ARGUMENT);
   assert_null(made);
+}
+
+/* A lens, a shutter, a light of each kind, and of each kind of surface one that moves. */
+static void all_that_a_scene_can_ask_for(void **state) {
+  (void)state;
+  enum { W = 21, H = 14 };
+  asc_material materials[] = {glow(0.1, 0.2, 0.3)};
+  materials[0].albedo[0] = 0.5;
+  const double vertices[] = {2, 2, 1, 19, 3, 1, 9, 12, 1};
+  const uint32_t material = 0, second = 2, first = 1;
+  const asc_disc disc = {{14, 9, 3}, {0.2, 0.1, 1}, 3, 0};
+  const asc_sphere sphere = {{5, 8, 4}, 2, 0};
+  const asc_plane floor = {{0, 0, -3}, {0.1, 0.2, 1}, 0};
+  const asc_motion motions[] = {{.kind = ASC_MOTION_TRANSLATE, .by = {3, 1, 0}},
+                                {.kind = ASC_MOTION_ROTATE, .axis = {0.1, 0, 2}, .centre = {10, 7, 0}, .angle = -2}};
+  const asc_light lights[] = {
+      {.kind = ASC_LIGHT_POINT, .place = {3, 20, 30}, .intensity = {1, 1, 1}},
+      {.kind = ASC_LIGHT_DIRECTIONAL, .place = {0.1, 0.2, -1}, .intensity = {1, 1, 1}},
+      {.kind = ASC_LIGHT_PARALLELOGRAM, .place = {3, 2, 20}, .intensity = {1, 1, 1}, .edges = {{4, 0, 0}, {0, 5, 1}}},
+      {.kind = ASC_LIGHT_DISC, .place = {9, 2, 20}, .intensity = {1, 1, 1}, .edges = {{3, 0, 0}, {0, 3, 0}}},
+      {.kind = ASC_LIGHT_SPHERE, .place = {9, 9, 15}, .intensity = {9, 9, 9}, .inverse_square = 1, .radius = 2}};
+  asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(W, H), .materials = materials};
+  scene.material_count = scene.triangle_count = scene.disc_count = scene.sphere_count = scene.plane_count = 1;
+  scene.vertices = vertices;
+  scene.triangle_material = &material;
+  scene.discs = &disc;
+  scene.spheres = &sphere;
+  scene.planes = &floor;
+  scene.lights = lights;
+  scene.light_count = 5;
+  scene.motions = motions;
+  scene.motion_count = 2;
+  scene.triangle_motion = scene.disc_motion = scene.sphere_motion = &second;
+  scene.plane_motion = &first;
+  scene.view.projection = ASC_PERSPECTIVE;
+  scene.view.eye[2] = 25;
+  scene.view.half_width = 0.6;
+  scene.view.half_height = 0.4;
+  scene.view.lens_radius = 0.8;
+  scene.view.focus_distance = 24;
+  scene.view.blades = 5;
+  scene.view.shutter_close = 1;
+  scene.view.response = ASC_RESPONSE_TRIANGLE;
+  tracer *made = NULL;
+  assert_int_equal(tracer_create(&scene, &made, NULL), ASC_OK);
+  assert_int_equal(tracer_dimensions(made), 2 + 1 + 2 + 3 * 2);
+  const asc_sampler_desc few = {
+      .struct_size = sizeof few, .spec = "sobol:scramble=owen", .samples = 5, .dimensions = 10};
+  asc_sampler_desc enough = few;
+  enough.dimensions = 11;
+  asc_sampler *samplers[2] = {NULL, NULL};
+  assert_int_equal(asc_sampler_create(&few, &samplers[0], NULL), ASC_OK);
+  assert_int_equal(asc_sampler_create(&enough, &samplers[1], NULL), ASC_OK);
+  float pixels[2][W * H * 3];
+  asc_error error = {{0}};
+  tracer_desc desc = {.struct_size = sizeof desc, .sampler = samplers[0], .threads = 1};
+  assert_int_equal(tracer_render(made, &desc, pixels[0], NULL, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "11 dimensions"));
+  desc.sampler = samplers[1];
+  assert_int_equal(tracer_render(made, &desc, pixels[0], NULL, NULL), ASC_OK);
+  desc.threads = 3;
+  assert_int_equal(tracer_render(made, &desc, pixels[1], NULL, NULL), ASC_OK);
+  assert_memory_equal(pixels[0], pixels[1], sizeof pixels[0]);
+  for (int i = 0; i < W * H * 3; i++) assert_true(pixels[0][i] >= 0.0F && pixels[0][i] < 10.0F);
+  asc_sampler_destroy(samplers[0]);
+  asc_sampler_destroy(samplers[1]);
+  tracer_destroy(made);
 }
 
 static void an_empty_scene_is_background(void **state) {
@@ -410,6 +521,7 @@ int main(void) {
       cmocka_unit_test(patterns_are_evaluated_in_double),
       cmocka_unit_test(shared_edges_do_not_leak),
       cmocka_unit_test(broken_scenes_are_refused),
+      cmocka_unit_test(all_that_a_scene_can_ask_for),
       cmocka_unit_test(an_empty_scene_is_background),
       cmocka_unit_test(filters_keep_a_constant),
       cmocka_unit_test(filters_give_the_same_bits_for_threads_and_bands),

@@ -90,6 +90,8 @@ def test_render_error_and_reference(tmp_path: Path) -> None:
     document = json.loads(run("render", "edge", "-r", "embree", "-m", "uniform:n=16", "-o", out, "--json").stdout)
     assert (document["width"], document["height"], document["samples"]) == (128, 96, 128 * 96 * 16)
     assert document["rays"] == {"primary": 128 * 96 * 16}
+    assert document["dimensions"] == 2
+    assert not any(document["needs"].values())
     assert document["mode"] == "uniform"
     assert document["cpu_seconds"] > 0
     assert read_header(out)["mode"] == "uniform"
@@ -150,10 +152,10 @@ def test_render_errors(tmp_path: Path) -> None:
 def test_a_scene_that_a_renderer_cannot_draw(tmp_path: Path) -> None:
     scene = tmp_path / "lit.toml"
     text = (places.SCENES / "edge.toml").read_text()
-    scene.write_text(text + '\n[[lights]]\ntype = "sphere"\ncentre = [0, 0, 1]\nradius = 1.0\nintensity = [1, 1, 1]\n')
+    scene.write_text(text + "\n[transport]\ndiffuse_bounces = 1\n")
     for name, mode in (("embree", "uniform"), ("povray", "none"), ("osmesa", "none")):
         message = complaint("render", scene, "-r", name, "-m", mode, "-o", tmp_path / "o.exr", code=2)
-        assert "does not draw: sphere light" in message
+        assert "does not draw: diffuse bounces" in message
 
 
 # --- doctor -----------------------------------------------------------------------------------------------------------

@@ -374,9 +374,9 @@ def test_each_filter_is_judged_by_its_own_reference(tmp_path: Path) -> None:
 def test_a_scene_that_nothing_draws(tmp_path: Path) -> None:
     scene = tmp_path / "lit.toml"
     text = (places.SCENES / "discs.toml").read_text()
-    scene.write_text(text + '\n[[lights]]\ntype = "sphere"\ncentre = [0, 0, 1]\nradius = 1.0\nintensity = [1, 1, 1]\n')
+    scene.write_text(text + "\n[transport]\ndiffuse_bounces = 1\n")
     message = complaint("compare", scene, "-o", tmp_path / "out", code=2)
-    assert "no mode draws it: Embree here does not draw: sphere light" in message
+    assert "no mode draws it: Embree here does not draw: diffuse bounces" in message
     # A dry run ends as the run would, and says which cells stay empty.
     assert complaint("compare", scene, "-o", tmp_path / "out", "--dry-run", code=2) == message
     dry = run("compare", scene, "-m", "none", "--dry-run", code=2).stdout.splitlines()
@@ -387,5 +387,5 @@ def test_a_scene_that_nothing_draws(tmp_path: Path) -> None:
         ("lit", "povray", "none"),
         ("lit", "osmesa", "none"),
     }
-    assert all("sphere light" in cell["reason"] for cell in cells)
+    assert all("diffuse bounces" in cell["reason"] for cell in cells)
     assert "1 picture\n" in run("compare", "edge", "-r", "osmesa", "-m", "none", "--dry-run").stdout

@@ -222,9 +222,9 @@ def test_committed_references_are_those_of_the_scenes_and_steady(name: str) -> N
 
 
 def test_what_the_tracer_does_not_draw_is_refused() -> None:
-    blurred = scene(box(1, 1, 5, 5) | {"motion": {"type": "translate", "by": [1, 0, 0]}})
-    with pytest.raises(Unsupported, match="no answer for motion"):
-        make(blurred, (12, 9), "box", PLAN)
+    mirror = scene(box(1, 1, 5, 5, material="steel"), materials={"steel": {"reflection": [0.5, 0.5, 0.5]}})
+    with pytest.raises(Unsupported, match="no answer for mirror"):
+        make(mirror, (12, 9), "box", PLAN)
     with pytest.raises(Ambiguous, match="same depth"):
         make(scene(box(1, 1, 8, 8), box(4, 4, 9, 9, material="blue")), (12, 9), "box", PLAN)
     with pytest.raises(SpecError):

@@ -14,6 +14,9 @@
 
 typedef enum asc_projection { ASC_ORTHOGRAPHIC = 0, ASC_PERSPECTIVE = 1 } asc_projection;
 
+/* How open the shutter is from its opening to its closing: even, or a tent whose peak is in the middle. */
+typedef enum asc_response { ASC_RESPONSE_BOX = 0, ASC_RESPONSE_TRIANGLE = 1 } asc_response;
+
 /* right, up, forward: orthonormal. Perspective: half_width and half_height are tangents of half the angles of view.
  * Orthographic: half the picture's width and height in world units; rays start in the plane through `eye`. */
 typedef struct asc_view {
@@ -22,6 +25,14 @@ typedef struct asc_view {
   double eye[3], right[3], up[3], forward[3];
   double half_width, half_height;
   double background[3]; /* linear RGB */
+  /* A thin lens in the plane through `eye`, whose points are sharp at the depth focus_distance along `forward`: from
+   * the lens point (x, y) along right and up the ray goes along forward + (u - x / focus_distance) right + (v - y /
+   * focus_distance) up, where the eye's goes along forward + u right + v up. The mean is over the lens, by area. */
+  double lens_radius;    /* 0: none; else perspective only */
+  double focus_distance; /* positive where there is a lens */
+  uint32_t blades;       /* 0: round; 3 to 64: a regular polygon inscribed in the circle, one corner upward */
+  double shutter_open, shutter_close; /* times; the mean is over them, weighted by the response. Equal where none is */
+  asc_response response;
 } asc_view;
 
 typedef enum asc_pattern_kind {
@@ -64,16 +75,41 @@ typedef struct asc_plane {
   uint32_t material;
 } asc_plane;
 
+typedef enum asc_motion_kind {
+  ASC_MOTION_TRANSLATE = 0, /* by time * by */
+  ASC_MOTION_ROTATE = 1     /* right-handed about the axis through the centre, by time * angle */
+} asc_motion_kind;
+
+/* Takes a surface from its place at time 0, which is the one that its numbers state, to that at another. Patterns ride
+ * on the surface: they are those of the point where it was at time 0. */
+typedef struct asc_motion {
+  asc_motion_kind kind;
+  double by[3];
+  double axis[3], centre[3]; /* axis of any length but 0 */
+  double angle;              /* radians in a unit of time; the tracer draws at most 2 pi in the open shutter */
+} asc_motion;
+
 typedef enum asc_light_kind {
   ASC_LIGHT_POINT = 0,      /* `place` is its position */
-  ASC_LIGHT_DIRECTIONAL = 1 /* `place` is the direction in which the light travels, of any length but 0 */
+  ASC_LIGHT_DIRECTIONAL = 1, /* `place` is the direction in which the light travels, of any length but 0 */
+  ASC_LIGHT_PARALLELOGRAM = 2, /* `place` is a corner, from which `edges` go */
+  ASC_LIGHT_DISC = 3,          /* `place` is its centre, `edges` are two radii at a right angle, of one length */
+  ASC_LIGHT_SPHERE = 4         /* `place` is its centre */
 } asc_light_kind;
 
+/* Lights with an area are not seen themselves. They add pattern(p) albedo intensity times the mean of max(0, n . l)
+ * visibility over their area, both sides alike; of a sphere, over the part of it that is seen from p. With
+ * inverse_square they are Lambert emitters of radiance pi intensity / area, and add pattern(p) albedo / pi times the
+ * irradiance: times max(0, cosine at the light) / distance^2 in the mean. A parallelogram and a disc then shine to the
+ * side of edges[0] x edges[1] alone; the area of a sphere is its cross-section's, pi radius^2, so that one wholly above
+ * the horizon lights as a point light of its intensity at its centre. From within, a sphere gives no light. */
 typedef struct asc_light {
   asc_light_kind kind;
   double place[3];
   double intensity[3];     /* linear RGB */
-  uint32_t inverse_square; /* 1: a point light's intensity is divided by the squared distance */
+  uint32_t inverse_square; /* 1: the intensity is divided by the squared distance */
+  double edges[2][3];
+  double radius; /* of a sphere */
 } asc_light;
 
 typedef struct asc_scene {
@@ -92,6 +128,10 @@ typedef struct asc_scene {
   size_t plane_count;
   const asc_light *lights;
   size_t light_count;
+  const asc_motion *motions; /* none unless the shutter is open for a while */
+  size_t motion_count;
+  /* For each surface of a kind: 0 where it stands still, else one more than the index of its motion. NULL: all do. */
+  const uint32_t *triangle_motion, *disc_motion, *sphere_motion, *plane_motion;
 } asc_scene;
 
 #endif

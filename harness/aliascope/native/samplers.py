@@ -76,7 +76,10 @@ class Sampler:
 
 def canonical(spec: str) -> str:
     """The canonical form of a sampler's spec. Raises SpecError."""
-    return Sampler(spec).spec
+    try:
+        return Sampler(spec).spec
+    except Unsupported:  # a pattern of space and time, which has three dimensions alone; Cook's has 16 points alone
+        return Sampler(spec, 16, 3).spec
 
 
 def points(

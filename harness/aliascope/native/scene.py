@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
-from aliascope.geometry import frame_of, surfaces_of
-from aliascope.model import AnyLight, Checker, DirectionalLight, Material, PointLight, Scene, ZonePlate
+from aliascope import motion
+from aliascope.geometry import Surfaces, across, frame_of, surfaces_of
+from aliascope.model import (
+    AnyLight,
+    AreaLight,
+    Checker,
+    DirectionalLight,
+    DiscLight,
+    Frames,
+    Material,
+    Motion,
+    PointLight,
+    Rotate,
+    Scene,
+    SphereLight,
+    ZonePlate,
+)
 
 
 def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]:
@@ -15,6 +31,7 @@ def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]
 
     Raises ValueError for a polygon that is not planar and simple.
     """
+    scene = motion.stilled(scene)
     frame, surfaces = frame_of(scene, size), surfaces_of(scene)
     packed = ffi.new("asc_scene *")
     packed.struct_size = ffi.sizeof("asc_scene")
@@ -26,6 +43,9 @@ def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]
     for name in ("eye", "right", "up", "forward"):
         setattr(view, name, list(getattr(frame, name)))
     view.background = list(scene.view.background)
+    if scene.needs().lens:
+        view.lens_radius, view.focus_distance = scene.camera.lens_radius, scene.camera.focus_distance
+        view.blades = scene.camera.blades
 
     materials = ffi.new("asc_material[]", max(len(surfaces.materials), 1))
     for target, name in zip(materials, surfaces.materials, strict=False):
@@ -44,20 +64,55 @@ def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]
     packed.spheres, packed.sphere_count = spheres, len(surfaces.spheres)
     packed.planes, packed.plane_count = planes, len(surfaces.planes)
     packed.lights, packed.light_count = lights, len(scene.lights)
-    return packed, [materials, discs, spheres, planes, lights, vertices, triangle_material]
+    keep = [materials, discs, spheres, planes, lights, vertices, triangle_material]
+    if scene.needs().shutter:
+        keep += _pack_motions(ffi, packed, scene, surfaces)
+    return packed, keep
+
+
+def _pack_motions(ffi: Any, packed: Any, scene: Scene, surfaces: Surfaces) -> list[Any]:
+    camera, view = scene.camera, packed.view
+    assert camera.shutter is not None  # or there would be no need
+    view.shutter_open, view.shutter_close = camera.shutter
+    responses = ffi.typeof("asc_response").relements
+    view.response = responses["ASC_RESPONSE_BOX" if camera.response == "box" else "ASC_RESPONSE_TRIANGLE"]
+    motions = ffi.new("asc_motion[]", [_motion(ffi, each) for each in surfaces.motions])
+    packed.motions, packed.motion_count = motions, len(surfaces.motions)
+    keep = [motions]
+    for kind in ("triangle", "disc", "sphere", "plane"):
+        of_kind = np.array(getattr(surfaces, f"{kind}_motion"), np.uint32)
+        setattr(packed, f"{kind}_motion", ffi.from_buffer("uint32_t[]", of_kind))
+        keep.append(of_kind)
+    return keep
+
+
+def _motion(ffi: Any, given: Motion) -> dict[str, Any]:
+    kinds = ffi.typeof("asc_motion_kind").relements
+    if isinstance(given, Frames):
+        raise ValueError("a mesh of frames has no arrays")
+    if isinstance(given, Rotate):
+        angle = math.radians(given.degrees)
+        return {"kind": kinds["ASC_MOTION_ROTATE"], "axis": given.axis, "centre": given.centre, "angle": angle}
+    return {"kind": kinds["ASC_MOTION_TRANSLATE"], "by": given.by}
 
 
 def _light(ffi: Any, light: AnyLight) -> dict[str, Any]:
     kinds = ffi.typeof("asc_light_kind").relements
     inverse_square = int(light.falloff == "inverse-square")
+    more: dict[str, Any] = {}
     match light:
         case PointLight(position=place):
             kind = kinds["ASC_LIGHT_POINT"]
         case DirectionalLight(direction=place):
             kind = kinds["ASC_LIGHT_DIRECTIONAL"]
-        case _:
-            raise ValueError(f"a {light.type} light has no arrays")
-    return {"kind": kind, "place": place, "intensity": light.intensity, "inverse_square": inverse_square}
+        case AreaLight(corner=place, edges=edges):
+            kind, more = kinds["ASC_LIGHT_PARALLELOGRAM"], {"edges": edges}
+        case DiscLight(centre=place, normal=normal, radius=radius):
+            first, second = across(np.array(normal) / np.linalg.norm(normal))
+            kind, more = kinds["ASC_LIGHT_DISC"], {"edges": [(radius * first).tolist(), (radius * second).tolist()]}
+        case SphereLight(centre=place, radius=radius):
+            kind, more = kinds["ASC_LIGHT_SPHERE"], {"radius": radius}
+    return {"kind": kind, "place": place, "intensity": light.intensity, "inverse_square": inverse_square, **more}
 
 
 def _pack_material(ffi: Any, target: Any, material: Material) -> None:

@@ -13,6 +13,16 @@ from aliascope.native.loading import check, error_box, module
 from aliascope.native.scene import pack
 from aliascope.records import Counts, Pixels
 
+DRAWS = frozenset(
+    {
+        *("orthographic", "perspective", "lens", "motion"),
+        *("polygon", "mesh", "disc", "sphere", "plane"),
+        *("zone-plate", "checker"),
+        *("point light", "directional light", "area light", "disc light", "sphere light"),
+    }
+)
+"""The features of scenes that it draws."""
+
 
 def _library() -> Any:
     return module("_tracer", "Embree 3 (Debian: libembree3-3)")
@@ -49,16 +59,21 @@ class Tracer:
         self._handle = library.ffi.gc(out[0], library.lib.tracer_destroy)
         self._library, self._size = library, size
 
+    @property
+    def dimensions(self) -> int:
+        """How many numbers a sample has; tracer.h says which."""
+        return int(self._library.lib.tracer_dimensions(self._handle))
+
     def render(
         self, sampler: str, samples: int, seed: int = 0, threads: int = 1, reconstruction: str = "box"
     ) -> tuple[Pixels, TracerCost]:
         """The picture, (height, width, 3) float32 linear RGB, from `samples` points a pixel.
 
         `reconstruction` is the spec of a filter; where it reaches past the pixel, pixels beyond the border are sampled
-        too. Raises SpecError, Unsupported.
+        too. Raises SpecError; Unsupported for a sampler that has not that many points, or dimensions.
         """
         library, (width, height) = self._library, self._size
-        pattern, profile = samplers.Sampler(sampler, samples, 2, seed), filters.made(reconstruction)
+        pattern, profile = samplers.Sampler(sampler, samples, self.dimensions, seed), filters.made(reconstruction)
         desc = library.ffi.new("tracer_desc *")
         desc.struct_size, desc.threads = library.ffi.sizeof("tracer_desc"), threads
         desc.sampler = library.ffi.cast("asc_sampler *", pattern.handle)
@@ -77,7 +92,7 @@ class Tracer:
         Raises SpecError, Unsupported for a sampler that the estimator cannot use.
         """
         library, (width, height) = self._library, self._size
-        made = estimate.Estimator(estimator, sampler, samples, channels=3, seed=seed)
+        made = estimate.Estimator(estimator, sampler, samples, self.dimensions, 3, seed)
         desc = library.ffi.new("tracer_adaptive_desc *")
         desc.struct_size, desc.threads = library.ffi.sizeof("tracer_adaptive_desc"), threads
         desc.estimator = library.ffi.cast("asc_estimator *", made.handle)

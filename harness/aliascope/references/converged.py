@@ -25,14 +25,6 @@ from aliascope.native import tracer
 from aliascope.records import Pixels
 from aliascope.references.result import Reference
 
-FEATURES = frozenset(
-    {
-        *("orthographic", "perspective"),
-        *("polygon", "mesh", "disc", "sphere", "plane"),
-        *("zone-plate", "checker"),
-        *("point light", "directional light"),
-    }
-)
 ROUNDING = 2.0**-24
 """Each replicate is rounded to float32: half an ulp, relative to the value."""
 
@@ -82,7 +74,7 @@ class Estimate:
 
 def renderer(scene: Scene, size: tuple[int, int], filter_: str, plan: Plan) -> Render:
     """The tracer, made ready for a scene. Raises Unsupported for what it does not draw, NotAvailable."""
-    lacking = sorted(scene.features() - FEATURES)
+    lacking = sorted(scene.features() - tracer.DRAWS)
     if lacking:
         raise Unsupported(f"the scene has no reference: the tracer has no answer for {', '.join(lacking)}")
     built = tracer.Tracer(scene, size)

@@ -50,14 +50,7 @@ class Embree:
     title = "Embree"
     native: tuple[str, ...] = ("tracer",)
     modes: Mapping[str, Form] = {form.name: form for form in (UNIFORM, ADAPTIVE)}
-    draws = frozenset(
-        {
-            *("orthographic", "perspective"),
-            *("polygon", "mesh", "disc", "sphere", "plane"),
-            *("zone-plate", "checker"),
-            *("point light", "directional light"),
-        }
-    )
+    draws = tracer.DRAWS
     probe_mode = "uniform:n=256,sampler=regular"
     single_mode = "uniform:n=1,sampler=regular"
 
@@ -65,16 +58,18 @@ class Embree:
         return {"embree": tracer.embree_version()}
 
     def unable(self, scene: Scene, mode: Spec) -> str | None:
-        sampler, count = mode.word("sampler"), mode.integer("n")
-        reason = samplers.refusal(sampler, count)
+        sampler, count, dimensions = mode.word("sampler"), mode.integer("n"), scene.needs().dimensions
+        reason = samplers.refusal(sampler, count, dimensions)
         if reason or mode.name != ADAPTIVE.name:
             return reason
         if filter_of(mode) != "box":
             return f"adaptive modes have the box filter alone: {filter_of(mode)} would need every pixel's samples"
-        return estimate.refusal(mode.word("method"), sampler, count, channels=3)
+        return estimate.refusal(mode.word("method"), sampler, count, dimensions, channels=3)
 
     def seeded(self, mode: Spec) -> bool:
-        return samplers.randomised(mode.word("sampler"), mode.integer("n"))
+        sampler, count = mode.word("sampler"), mode.integer("n")
+        planar = samplers.refusal(sampler, count) is None  # patterns of space and time have three dimensions alone
+        return samplers.randomised(sampler, count, 2 if planar else 3)
 
     def render(self, request: Request) -> Rendering:
         """The time limit is looked at between repeats only."""

@@ -76,6 +76,8 @@ def render_file(
         "samples": cost.samples,
         "samples_per_pixel": cost.samples_per_pixel,
         "counts": _counts(rendering, counts),
+        "needs": file.scene.needs().model_dump(),
+        "dimensions": file.scene.needs().dimensions,
         "rays": dict(cost.rays),
         "cpu_seconds": cost.cpu_seconds,
         "wall_seconds": cost.wall_seconds,

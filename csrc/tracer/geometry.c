@@ -1,0 +1,126 @@
+#include "geometry.h"
+
+#include <stdlib.h>
+
+/* Some surfaces of a kind, which share a motion. */
+typedef struct batch {
+  uint32_t kind;
+  const uint32_t *members; /* NULL: all, in their order */
+  size_t count;
+  const asc_motion *motion; /* NULL: none */
+} batch;
+
+static void *new_buffer(RTCGeometry geometry, enum RTCBufferType type, unsigned step, enum RTCFormat format,
+                        size_t floats, size_t count) {
+  return rtcSetNewGeometryBuffer(geometry, type, step, format, floats * sizeof(float), count);
+}
+
+static void put_point(const double at_rest[3], const placing *at, float *point) {
+  double moved[3] = {at_rest[0], at_rest[1], at_rest[2]};
+  if (at) motion_place(at, at_rest, moved);
+  for (int i = 0; i < 3; i++) point[i] = (float)moved[i];
+}
+
+static int put_triangles(const tracer *made, const asc_scene *scene, const batch *of, RTCGeometry geometry,
+                         unsigned step, const placing *at) {
+  float *vertices = new_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, 3, 3 * of->count);
+  uint32_t *indices = step == 0 ? new_buffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3, of->count) : NULL;
+  if (!vertices || (step == 0 && !indices)) return 0;
+  for (size_t i = 0; i < 3 * of->count; i++) {
+    const size_t number = of->members ? of->members[i / 3] : i / 3;
+    double corner[3];
+    tracer_to_camera(&made->view, scene->vertices + 9 * number + 3 * (i % 3), corner);
+    put_point(corner, at, vertices + 3 * i);
+    if (indices) indices[i] = (uint32_t)i;
+  }
+  return 1;
+}
+
+static int put_round(const tracer *made, const asc_scene *scene, const batch *of, RTCGeometry geometry, unsigned step,
+                     const placing *at) {
+  float *points = new_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT4, 4, of->count);
+  float *normals =
+      of->kind == DISCS ? new_buffer(geometry, RTC_BUFFER_TYPE_NORMAL, step, RTC_FORMAT_FLOAT3, 3, of->count) : NULL;
+  if (!points || (of->kind == DISCS && !normals)) return 0;
+  for (size_t i = 0; i < of->count; i++) {
+    const size_t number = of->members ? of->members[i] : i;
+    double centre[3], normal[3];
+    tracer_to_camera(&made->view, of->kind == DISCS ? scene->discs[number].centre : scene->spheres[number].centre,
+                     centre);
+    put_point(centre, at, points + 4 * i);
+    points[4 * i + 3] = (float)(of->kind == DISCS ? scene->discs[number].radius : scene->spheres[number].radius);
+    if (!normals) continue;
+    const double *facing = made->disc_planes[number].normal;
+    for (int axis = 0; axis < 3; axis++) normal[axis] = facing[axis];
+    if (at) motion_turn(at, facing, normal);
+    for (size_t axis = 0; axis < 3; axis++) normals[3 * i + axis] = (float)normal[axis];
+  }
+  return 1;
+}
+
+static asc_status attach(tracer *made, const asc_scene *scene, const batch *of, unsigned id, asc_error *error) {
+  static const enum RTCGeometryType types[] = {RTC_GEOMETRY_TYPE_TRIANGLE, RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT,
+                                               RTC_GEOMETRY_TYPE_SPHERE_POINT};
+  RTCGeometry geometry = rtcNewGeometry(made->device, types[of->kind]);
+  const asc_view *view = &made->view;
+  const double open = view->shutter_open, duration = view->shutter_close - open;
+  const unsigned segments = of->motion ? (unsigned)motion_segments(of->motion, duration) : 0, steps = segments + 1;
+  if (of->motion) rtcSetGeometryTimeStepCount(geometry, steps);
+  for (unsigned step = 0; step < steps; step++) {
+    placing at;
+    if (of->motion) at = motion_at(of->motion, open + duration * step / segments);
+    const placing *placed = of->motion ? &at : NULL;
+    const int done = of->kind == TRIANGLES ? put_triangles(made, scene, of, geometry, step, placed)
+                                           : put_round(made, scene, of, geometry, step, placed);
+    if (!done) {
+      rtcReleaseGeometry(geometry);
+      return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu surfaces in %u places", of->count, steps);
+    }
+  }
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(made->scene, geometry, id);
+  rtcReleaseGeometry(geometry);
+  return ASC_OK;
+}
+
+/* The surfaces of a kind that have one motion, or none. */
+static asc_status new_part(tracer *made, uint32_t kind, size_t count, const asc_motion *motion, size_t *members,
+                           asc_error *error) {
+  part *grown = realloc(made->parts, (made->part_count + 1) * sizeof *grown);
+  uint32_t *numbers = malloc(count * sizeof *numbers);
+  if (grown) made->parts = grown;
+  if (!grown || !numbers) {
+    free(numbers);
+    return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu surfaces", count);
+  }
+  for (uint32_t i = 0; i < count; i++)
+    if (tracer_motion(made, (surface){kind, i}) == motion) numbers[(*members)++] = i;
+  made->parts[made->part_count++] = (part){kind, numbers};
+  return ASC_OK;
+}
+
+static asc_status take_moving(tracer *made, const asc_scene *scene, uint32_t kind, size_t count,
+                              const asc_motion *motion, asc_error *error) {
+  size_t members = 0;
+  asc_status status = new_part(made, kind, count, motion, &members, error);
+  if (status) return status;
+  const unsigned id = (unsigned)made->part_count - 1;
+  if (members == 0) {
+    free(made->parts[id].members);
+    made->part_count--;
+    return ASC_OK;
+  }
+  const batch of = {kind, made->parts[id].members, members, motion};
+  return attach(made, scene, &of, id, error);
+}
+
+asc_status geometry_take(tracer *made, const asc_scene *scene, uint32_t kind, size_t count, asc_error *error) {
+  if (made->motion_count == 0) {
+    const batch all = {.kind = kind, .count = count};
+    return attach(made, scene, &all, kind, error);
+  }
+  asc_status status = take_moving(made, scene, kind, count, NULL, error);
+  for (size_t i = 0; i < made->motion_count && status == ASC_OK; i++)
+    status = take_moving(made, scene, kind, count, &made->motions[i], error);
+  return status;
+}
