@@ -89,6 +89,20 @@ def stilled(scene: Scene) -> Scene:
     return at(scene, scene.camera.shutter[0] if scene.camera.shutter else 0.0)
 
 
+TURNED_CHECKER = (
+    "a checker that has turned has no still scene: its squares lie along the axes; "
+    "open the shutter for a while, or take a zone plate"
+)
+
+
+def turns_a_checker(scene: Scene) -> bool:
+    """Whether `at` cannot say what the scene is at a moment."""
+    return any(
+        isinstance(surface.motion, Rotate) and isinstance(scene.materials[surface.material].pattern, Checker)
+        for surface in scene.surfaces
+    )
+
+
 def at(scene: Scene, time: float) -> Scene:
     """The scene at a moment: nothing moves, and the shutter is an instant, which is no need. Patterns have gone with
     their surfaces. Raises InvalidInput for a checker that has turned."""
@@ -107,9 +121,6 @@ def at(scene: Scene, time: float) -> Scene:
 def _carried(pattern: ZonePlate | Checker, motion: Translate | Rotate, time: float) -> ZonePlate | Checker:
     """The pattern where the surface that it rides on has taken it."""
     if isinstance(pattern, Checker) and isinstance(motion, Rotate) and math.radians(motion.degrees) * time != 0.0:
-        raise InvalidInput(
-            "a checker that has turned has no still scene: its squares lie along the axes; "
-            "open the shutter for a while, or take a zone plate"
-        )
+        raise InvalidInput(TURNED_CHECKER)
     matrix, offset = transform(motion, time)
     return pattern.model_copy(update={"origin": tuple((matrix @ pattern.origin + offset).tolist())})

@@ -56,7 +56,7 @@ class Plan:
 # --- plan -------------------------------------------------------------------------------------------------------------
 
 
-COMMON = ("geometry.py", "image.py", "meshes.py", "model.py", "specs.py")
+COMMON = ("geometry.py", "image.py", "meshes.py", "model.py", "motion.py", "specs.py")
 """What the pictures of every renderer depend on, beside renderers/ and native/ without the files of other renderers."""
 
 SAMPLER_LIBRARY = "libaliascope.so"

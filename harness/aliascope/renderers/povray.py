@@ -22,6 +22,7 @@ from aliascope.errors import InvalidInput, JobFailed, NotWritable, Unsupported
 from aliascope.geometry import Array
 from aliascope.image import read_image
 from aliascope.model import LARGEST_AREA, Scene
+from aliascope.motion import turns_a_checker
 from aliascope.records import Cost, Pixels, Rendering
 from aliascope.renderers.base import Request, lacks
 from aliascope.renderers.povray_frames import Frames, frames_of, moments, times_within
@@ -104,6 +105,8 @@ class PovRay:
         reason = unable_mode(mode, scene) or too_long(scene, mode, Request.time_limit)
         if reason:
             return reason
+        if turns_a_checker(scene):
+            return "POV-Ray here draws frames of still scenes, and a checker that has turned is none"
         times = times_within(scene)
         peak = lighting_of(scene, times).peak
         if not peak <= LARGEST_HALF:
@@ -160,7 +163,7 @@ def _write(folder: Path, request: Request, exposure: float, frames: Frames) -> N
     try:
         (folder / "aliascope.ini").write_text("")  # in place of the system's, which turns the display on
         (folder / "scene.pov").write_text(scene_text(scene, size, exposure, frames))
-        for name, text in moving_texts(scene, frames):
+        for name, text in moving_texts(scene, exposure, frames):
             (folder / name).write_text(text)
     except ValueError as error:
         raise InvalidInput(str(error)) from error

@@ -76,16 +76,23 @@ def scene_text(scene: Scene, size: tuple[int, int], exposure: float = 1.0, frame
     return "\n".join([*lines, *_objects(surfaces, names, world)]) + "\n"
 
 
-def moving_texts(scene: Scene, frames: Frames) -> Iterator[tuple[str, str]]:
+def moving_texts(scene: Scene, exposure: float, frames: Frames) -> Iterator[tuple[str, str]]:
     """For each frame the name of a file, which the scene's text includes, and the text of what moves, where it is
-    then."""
+    then; patterns that it takes along are materials of the frame's own."""
     if frames.times is None:
         return
     names = tuple(dict.fromkeys(surface.material for surface in scene.surfaces))
     world = world_of(scene, frames)
     moving = scene.model_copy(update={"surfaces": tuple(s for s in scene.surfaces if s.motion is not None)})
     for number, moment in enumerate(moments(moving, frames.times), 1):
-        yield f"{MOVING}{number}.inc", "\n".join(_objects(surfaces_of(moment), names, world)) + "\n"
+        surfaces = surfaces_of(moment)
+        carried = tuple(name for name in dict.fromkeys(surfaces.materials) if name not in names)
+        lines = [
+            f"#declare Material_{len(names) + i} = {_texture(moment.materials[name], exposure, world)}"
+            for i, name in enumerate(carried)
+        ]
+        lines += _objects(surfaces, names + carried, world)
+        yield f"{MOVING}{number}.inc", "\n".join(lines) + "\n"
 
 
 def world_of(scene: Scene, frames: Frames) -> World:
