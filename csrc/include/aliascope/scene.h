@@ -90,8 +90,8 @@ typedef struct asc_motion {
 } asc_motion;
 
 typedef enum asc_light_kind {
-  ASC_LIGHT_POINT = 0,      /* `place` is its position */
-  ASC_LIGHT_DIRECTIONAL = 1, /* `place` is the direction in which the light travels, of any length but 0 */
+  ASC_LIGHT_POINT = 0,         /* `place` is its position */
+  ASC_LIGHT_DIRECTIONAL = 1,   /* `place` is the direction in which the light travels, of any length but 0 */
   ASC_LIGHT_PARALLELOGRAM = 2, /* `place` is a corner, from which `edges` go */
   ASC_LIGHT_DISC = 3,          /* `place` is its centre, `edges` are two radii at a right angle, of one length */
   ASC_LIGHT_SPHERE = 4         /* `place` is its centre */
