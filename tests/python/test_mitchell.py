@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from commands import complaint, run
+from commands import complaint, run, separately
 
 from aliascope.errors import InvalidInput, SpecError
 from aliascope.native import discrepancy, samplers
@@ -268,7 +268,7 @@ def test_the_search_finds_the_nearest(monkeypatch: pytest.MonkeyPatch, tmp_path:
 
 def test_every_sampler_has_a_row_or_a_reason(folder: Path) -> None:
     arguments = ["--plugin", PLUGIN, "mitchell", "--table", "samplers", "--realisations", "2", "--json", "-o", folder]
-    found = json.loads(run(*arguments).stdout)["cells"]
+    found = json.loads(separately(*arguments).stdout)["cells"]
     names = {cell["process"].split(":")[0] for cell in found}
     assert names == {info.name for info in samplers.registered()} | {"kronecker"}
     for cell in found:
