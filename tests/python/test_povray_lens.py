@@ -353,6 +353,18 @@ def test_what_moves_out_of_povrays_reach_is_an_empty_cell() -> None:
     assert "beyond" in (lacks(RENDERER, scene.model_copy(update={"surfaces": (surface,)}), mode("accumulate")) or "")
 
 
+def test_a_checker_that_turns_is_an_empty_cell_and_one_that_slides_is_not() -> None:
+    corners = [(-5, 1, 0), (-2, 1, 0), (-2, 5, 0)]
+    checker = {"m": {"emission": (1, 1, 1), "pattern": {"type": "checker", "scale": 1.3}}}
+    turn = {"type": "rotate", "axis": (0, 0, 1), "degrees": 40.0}
+    slide = {"type": "translate", "by": (1, 0, 0)}
+    for going, reason in ((turn, "a checker that has turned"), (slide, None)):
+        scene = scene_of([{"type": "polygon", "material": "m", "points": corners, "motion": going}], checker)
+        camera = scene.camera.model_copy(update={"shutter": (0.0, 1.0)})
+        found = lacks(RENDERER, scene.model_copy(update={"camera": camera}), mode("accumulate"))
+        assert found is None if reason is None else reason in (found or "")
+
+
 def test_more_moving_triangles_than_can_be_written_are_an_empty_cell() -> None:
     mesh = LoadedMesh.model_validate(
         {
