@@ -23,7 +23,8 @@ BOTH = f"#scene=edge&a={POVRAY}&b={EMBREE}&{AT_MARK}"
 
 
 def fragment(page: Page) -> dict[str, str]:
-    page.wait_for_timeout(200)  # the address is written 120 ms after the last change
+    # The address is written 120 ms after the last change, by the page's own clock, which may be late.
+    page.evaluate("() => new Promise((done) => setTimeout(done, 200))")
     return {key: values[0] for key, values in parse_qs(urlsplit(page.url).fragment).items()}
 
 
