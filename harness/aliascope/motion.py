@@ -94,22 +94,33 @@ TURNED_CHECKER = (
     "open the shutter for a while, or take a zone plate"
 )
 
+STRETCHED_PATTERN = (
+    "a pattern on a mesh that has changed its shape has no still scene: it is stretched with its triangles; "
+    "open the shutter for a while, or take a material without a pattern"
+)
 
-def turns_a_checker(scene: Scene) -> bool:
-    """Whether `at` cannot say what the scene is at a moment."""
-    return any(
-        isinstance(surface.motion, Rotate) and isinstance(scene.materials[surface.material].pattern, Checker)
-        for surface in scene.surfaces
-    )
+
+def no_still(scene: Scene) -> str | None:
+    """Why `at` cannot say what the scene is at a moment, or None."""
+    for surface in scene.surfaces:
+        pattern = scene.materials[surface.material].pattern
+        if isinstance(surface.motion, Rotate) and isinstance(pattern, Checker):
+            return TURNED_CHECKER
+        if isinstance(surface.motion, Frames) and pattern:
+            return STRETCHED_PATTERN
+    return None
 
 
 def at(scene: Scene, time: float) -> Scene:
     """The scene at a moment: nothing moves, and the shutter is an instant, which is no need. Patterns have gone with
-    their surfaces. Raises InvalidInput for a checker that has turned."""
+    their surfaces. Raises InvalidInput for a checker that has turned, and a pattern on a mesh that has changed its
+    shape."""
     camera = scene.camera.model_copy(update={"shutter": None, "response": "box"})
     materials, surfaces = dict(scene.materials), []
     for number, surface in enumerate(scene.surfaces):
         material, still = scene.materials[surface.material], moved(surface, time)
+        if material.pattern and isinstance(surface.motion, Frames) and time != 0.0:
+            raise InvalidInput(STRETCHED_PATTERN)
         if material.pattern and isinstance(surface.motion, Translate | Rotate):
             name = f"{surface.material} of surface {number}"
             materials[name] = material.model_copy(update={"pattern": _carried(material.pattern, surface.motion, time)})
