@@ -63,7 +63,7 @@ class Camera(Part):
             raise ValueError('an "orthographic" camera has height, and no vertical_fov_degrees')
         if (self.lens_radius is None) != (self.focus_distance is None):
             raise ValueError("lens_radius and focus_distance come together")
-        if self.lens_radius is not None and not perspective:
+        if self.lens_radius and not perspective:
             raise ValueError('a lens is for a "perspective" camera')
         if self.blades in (1, 2):
             raise ValueError(f"a lens has 3 blades or more, or 0 where it is round, not {self.blades}")
@@ -309,7 +309,8 @@ AnyLight = Annotated[PointLight | DirectionalLight | AreaLight | DiscLight | Sph
 
 class Transport(Part):
     """How far light is followed. `diffuse_bounces`: over so many diffuse surfaces between a light and the one that is
-    seen; 0: from lights alone. `mirror_bounces`: of a path in mirrors, glossy ones too; past them there is no light."""
+    seen; 0: from lights alone; none where every albedo is 0. `mirror_bounces`: of a path in mirrors, glossy ones too;
+    past them there is no light."""
 
     diffuse_bounces: Annotated[int, Field(strict=True, ge=0, le=64)] = 0
     mirror_bounces: Annotated[int, Field(strict=True, ge=1, le=64)] = 8
@@ -367,8 +368,8 @@ class Scene(Part):
         return frozenset(found)
 
     def needs(self) -> Needs:
-        """A lens of radius 0, a shutter that nothing moves under, a material that no surface has: none of them is
-        needed."""
+        """A lens of radius 0, a shutter that nothing moves under, a material that no surface has, bounces between
+        surfaces that scatter nothing: none of them is needed."""
         shutter = self.camera.shutter
         used = {surface.material for surface in self.surfaces}
         mirrors = [each for name, each in self.materials.items() if name in used and any(each.reflection)]
@@ -380,8 +381,11 @@ class Scene(Part):
             area_lights=sum(isinstance(light, AreaLight | DiscLight | SphereLight) for light in self.lights),
             mirror=any(each.gloss is None for each in mirrors),
             gloss=any(each.gloss is not None for each in mirrors),
-            diffuse_bounces=self.transport.diffuse_bounces,
+            diffuse_bounces=self.transport.diffuse_bounces if self._scatters(used) else 0,
         )
+
+    def _scatters(self, used: set[str]) -> bool:
+        return any(any(self.materials[name].albedo) for name in used)
 
     def digest(self) -> str:
         """SHA-256, in hexadecimal, of what a picture of the scene depends on: not of its words, and a default that is
