@@ -26,6 +26,15 @@ Colour = tuple[Intensity, Intensity, Intensity]
 BLACK: Colour = (0.0, 0.0, 0.0)
 
 
+LEAST_DIRECTION = 1e-100
+"""Shorter ones have no square, so no length, among doubles."""
+
+
+def _check_direction(name: str, vector: Vector) -> None:
+    if max(map(abs, vector)) < LEAST_DIRECTION:
+        raise ValueError(f"{name} must not be zero, nor shorter than {LEAST_DIRECTION:g}")
+
+
 class Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -159,8 +168,7 @@ class Rotate(Part):
 
     @model_validator(mode="after")
     def _axis(self) -> Rotate:
-        if not any(self.axis):
-            raise ValueError("axis must not be zero")
+        _check_direction("axis", self.axis)
         return self
 
 
@@ -221,8 +229,7 @@ class Disc(Surface):
 
     @model_validator(mode="after")
     def _normal(self) -> Disc:
-        if not any(self.normal):
-            raise ValueError("normal must not be zero")
+        _check_direction("normal", self.normal)
         return self
 
 
@@ -233,8 +240,7 @@ class Plane(Surface):
 
     @model_validator(mode="after")
     def _normal(self) -> Plane:
-        if not any(self.normal):
-            raise ValueError("normal must not be zero")
+        _check_direction("normal", self.normal)
         return self
 
 
@@ -259,8 +265,7 @@ class DirectionalLight(Light):
 
     @model_validator(mode="after")
     def _direction(self) -> DirectionalLight:
-        if not any(self.direction):
-            raise ValueError("direction must not be zero")
+        _check_direction("direction", self.direction)
         if self.falloff != "none":
             raise ValueError("a directional light comes from no point, so it has no falloff")
         return self
@@ -293,8 +298,7 @@ class DiscLight(Light):
 
     @model_validator(mode="after")
     def _normal(self) -> DiscLight:
-        if not any(self.normal):
-            raise ValueError("normal must not be zero")
+        _check_direction("normal", self.normal)
         return self
 
 
