@@ -8,6 +8,7 @@
 
 #include "adaptive.h"
 #include "filtered.h"
+#include "frames.h"
 #include "scene.h"
 
 static double seconds(clockid_t clock) {
@@ -54,6 +55,7 @@ void tracer_destroy(tracer *made) {
   }
   for (size_t i = 0; i < made->part_count; i++) free(made->parts[i].members);
   free(made->parts);
+  frames_free(made);
   free(made->motions);
   free(made->materials);
   free(made->triangle_planes);

@@ -15,7 +15,7 @@ from aliascope.records import Counts, Pixels
 
 DRAWS = frozenset(
     {
-        *("orthographic", "perspective", "lens", "motion"),
+        *("orthographic", "perspective", "lens", "motion", "mesh of frames"),
         *("polygon", "mesh", "disc", "sphere", "plane"),
         *("zone-plate", "checker"),
         *("point light", "directional light", "area light", "disc light", "sphere light"),
