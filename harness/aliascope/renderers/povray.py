@@ -25,7 +25,7 @@ from aliascope.model import LARGEST_AREA, Scene
 from aliascope.motion import turns_a_checker
 from aliascope.records import Cost, Pixels, Rendering
 from aliascope.renderers.base import Request, lacks
-from aliascope.renderers.povray_frames import Frames, frames_of, moments, times_within
+from aliascope.renderers.povray_frames import Frames, frames_of, looked_at, moments
 from aliascope.renderers.povray_light import lighting_of
 from aliascope.renderers.povray_limits import out_of_reach
 from aliascope.renderers.povray_modes import (
@@ -89,7 +89,7 @@ class PovRay:
             *("orthographic", "perspective"),
             *("polygon", "mesh", "disc", "sphere", "plane"),
             *("zone-plate", "checker"),
-            *("point light", "directional light", "area light"),
+            *("point light", "directional light", "area light", "disc light", "sphere light"),
             *("lens", "motion", "mirror"),
         }
     )
@@ -107,11 +107,9 @@ class PovRay:
             return reason
         if turns_a_checker(scene):
             return "POV-Ray here draws frames of still scenes, and a checker that has turned is none"
-        times = times_within(scene)
-        peak = lighting_of(scene, times).peak
-        if not peak <= LARGEST_HALF:
-            return f"POV-Ray's pictures end at {LARGEST_HALF:g}, and this one may reach {peak:g}"
-        return next(filter(None, map(out_of_reach, moments(scene, times))), None)
+        frames = looked_at(scene)
+        peak = lighting_of(scene, frames).peak
+        return too_bright(peak) or next(filter(None, map(out_of_reach, moments(scene, frames.times))), None)
 
     def seeded(self, mode: Spec) -> bool:
         """Only for a randomised sampler of `accumulate`: POV-Ray's own jitter is a hash of the position."""
@@ -157,6 +155,13 @@ class PovRay:
 RENDERER = PovRay()
 
 
+def too_bright(peak: float) -> str | None:
+    """Why no file of POV-Ray's holds a picture that may be so bright, or None."""
+    return (
+        None if peak <= LARGEST_HALF else f"POV-Ray's pictures end at {LARGEST_HALF:g}, and this one may reach {peak:g}"
+    )
+
+
 def _write(folder: Path, request: Request, exposure: float, frames: Frames) -> None:
     """Writes what povray reads. Raises InvalidInput for polygons that have no triangles, and NotWritable."""
     scene, size = request.scene, (request.width, request.height)
@@ -182,8 +187,13 @@ def _check(renderer: PovRay, request: Request) -> None:
 
 
 def _output_for(scene: Scene, frames: Frames) -> _Output:
-    """PNG, which clips to [0, 1], so at an exposure; past LARGEST_EXPOSURE EXR, whose half floats have 11 bits."""
-    peak = lighting_of(scene, frames.times).peak
+    """PNG, which clips to [0, 1], so at an exposure; past LARGEST_EXPOSURE EXR, whose half floats have 11 bits.
+
+    Raises Unsupported where the frames come nearer to a light than those that were looked at before."""
+    peak = lighting_of(scene, frames).peak
+    reason = too_bright(peak)
+    if reason:
+        raise Unsupported(reason)
     exposure = 2.0 ** max(0, math.ceil(math.log2(peak))) if peak > 0.0 else 1.0
     if exposure <= LARGEST_EXPOSURE:
         return _Output("+FN16", "png", exposure, exposure / 65535.0)
