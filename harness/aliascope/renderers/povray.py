@@ -32,12 +32,13 @@ from aliascope.renderers.povray_modes import (
     FORMS,
     antialiasing,
     grid_side,
+    processes,
     samples_per_pixel,
     seeded,
     too_long,
     unable_mode,
 )
-from aliascope.renderers.povray_process import Statistics, executable, read_statistics, run, version
+from aliascope.renderers.povray_process import Statistics, executable, read_statistics, run_all, version
 from aliascope.renderers.povray_sdl import moving_texts, scene_text
 from aliascope.specs import Form, Spec
 
@@ -67,7 +68,7 @@ class _Output:
 
 @dataclass(frozen=True)
 class _Job:
-    """One program run, but for its frames: the size is that of the canvas."""
+    """One program run, but for its frames: the size is that of the canvas. processes: runs at most that share them."""
 
     path: str
     folder: Path
@@ -75,6 +76,7 @@ class _Job:
     height: int
     options: tuple[str, ...]
     output: _Output
+    processes: int
 
 
 class PovRay:
@@ -139,7 +141,7 @@ class PovRay:
                 *antialiasing(request.mode, output.exposure),
                 f"+WT{1 if frames.grid.jitter else request.threads}",
             )
-            job = _Job(path, folder, side * size[0], side * size[1], options, output)
+            job = _Job(path, folder, side * size[0], side * size[1], options, output, processes(request.scene, count))
             _write(folder, request, output.exposure, frames)
             statistics = _run(job, count, request.time_limit)
             pixels = _box_averaged(_weighted_mean(job, frames.weights), side, output.exposure)
@@ -201,8 +203,11 @@ def _output_for(scene: Scene, frames: Frames) -> _Output:
 
 
 def _run(job: _Job, frames: int, time_limit: float) -> list[Statistics]:
-    """Renders so many frames and returns what povray says of each; their files are those of `_names`."""
-    arguments = [
+    """Renders so many frames and returns what povray says of each; their files are those of `_names`.
+
+    Runs of povray side by side share them, as each sleeps for most of its time.
+    """
+    common = [
         "+Iscene.pov",
         f"+O{'picture' if frames == 1 else 'frame'}.{job.output.suffix}",
         job.output.option,
@@ -215,7 +220,11 @@ def _run(job: _Job, frames: int, time_limit: float) -> list[Statistics]:
         *job.options,
         *(("+KFI1", f"+KFF{frames}") if frames > 1 else ()),
     ]
-    statistics = read_statistics(run(job.path, arguments, job.folder, time_limit, frames))
+    count = min(job.processes, frames)
+    parts = [(1 + frames * i // count, frames * (i + 1) // count) for i in range(count)]
+    runs = [common if count == 1 else [*common, f"+SF{first}", f"+EF{last}"] for first, last in parts]
+    outputs = run_all(job.path, runs, job.folder, time_limit, math.ceil(frames / count))
+    statistics = [frame for output in outputs for frame in read_statistics(output)]
     if len(statistics) != frames:
         raise JobFailed(f"povray printed the statistics of {len(statistics)} pictures instead of {frames}")
     return statistics
