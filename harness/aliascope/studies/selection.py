@@ -6,10 +6,10 @@ import fnmatch
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from aliascope import pipeline, plan, renderers, scene_io
+from aliascope import jobs, plan, renderers, scene_io
 from aliascope.errors import InvalidInput, SpecError, near_misses
+from aliascope.jobs import Plan
 from aliascope.native import samplers
-from aliascope.pipeline import Plan
 from aliascope.specs import label, spelled_out, split
 
 WILDCARDS = frozenset("*?[")
@@ -33,7 +33,7 @@ def plan_of(
     twice = {file.name for file in files if sum(other.name == file.name for other in files) > 1}
     if twice:
         raise InvalidInput(f"two scenes are named {', '.join(sorted(twice))}: rename one of the files")
-    made = pipeline.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
+    made = jobs.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
     return replace(made, about=_about(profile, [file.name for file in files], own, wanted))
 
 
