@@ -18,7 +18,7 @@ from aliascope.geometry import Array
 from aliascope.model import Scene
 from aliascope.native import samplers
 from aliascope.native.warps import DISC
-from aliascope.renderers.povray_modes import ACCUMULATE, FOCAL_BLUR, dimensions
+from aliascope.renderers.povray_modes import ACCUMULATE, FOCAL_BLUR, groups
 from aliascope.specs import Spec
 
 MOMENTS = 65
@@ -83,13 +83,13 @@ def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
     if mode.name != ACCUMULATE.name:
         return Frames(np.zeros((1, 2)), np.ones(1), grid=light_grid(mode))
     sampler, count, needs = mode.word("sampler"), mode.integer("n"), scene.needs()
-    width = dimensions(needs)
-    points = samplers.points(sampler, count, width, seed)
+    sizes, arrangement = groups(needs), mode.word("dimensions")
+    points = samplers.points(sampler, count, sizes, seed, arrangement=arrangement)
     return Frames(
         points[:, :2] - 0.5,
-        samplers.weights(sampler, count, width),
+        samplers.weights(sampler, count, sizes, arrangement),
         shutter_times(scene, points[:, 2]) if needs.shutter else None,
-        lens_points(scene, points[:, width - 2 :]) if needs.lens else None,
+        lens_points(scene, points[:, -2:]) if needs.lens else None,
         grid=light_grid(mode),
     )
 
