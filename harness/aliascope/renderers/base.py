@@ -40,6 +40,8 @@ class Renderer(Protocol):
     `probe_mode` is a mode that resolves a hundredth of a pixel, its pattern centred in the pixel; `single_mode` has one
     sample, at the pixel's centre. Neither is random. They draw polygons seen orthographically at least: `doctor` looks
     at those.
+    `idles`: its runs are asleep most of the time and state their own CPU time, so that several side by side leave each
+    other's time as it is.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Renderer(Protocol):
     native: tuple[str, ...]
     probe_mode: str
     single_mode: str
+    idles: bool
 
     def versions(self) -> Mapping[str, str]:
         """The versions that a picture depends on. Raises NotAvailable where the renderer is not there."""

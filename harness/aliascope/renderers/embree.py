@@ -53,6 +53,7 @@ class Embree:
     draws = tracer.DRAWS
     probe_mode = "uniform:n=256,sampler=regular"
     single_mode = "uniform:n=1,sampler=regular"
+    idles = False
 
     def versions(self) -> Mapping[str, str]:
         return {"embree": tracer.embree_version()}

@@ -95,6 +95,7 @@ class PovRay:
     )
     probe_mode = "am1:depth=9,jitter=0,threshold=0"
     single_mode = "none"
+    idles = True
 
     def versions(self) -> Mapping[str, str]:
         """The version that the povray on the PATH states."""

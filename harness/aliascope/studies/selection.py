@@ -6,10 +6,10 @@ import fnmatch
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from aliascope import pipeline, plan, renderers, scene_io
+from aliascope import jobs, plan, renderers, scene_io
 from aliascope.errors import InvalidInput, SpecError, near_misses
+from aliascope.jobs import Plan
 from aliascope.native import samplers
-from aliascope.pipeline import Plan
 from aliascope.scene_io import SceneFile
 from aliascope.specs import label, spelled_out, split
 
@@ -32,7 +32,7 @@ def plan_of(
         wanted = _modes(wanted, modes)
     files = [scene_io.load(name) for name in scenes_of(scenes)]
     check_names(files)
-    made = pipeline.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
+    made = jobs.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
     return replace(made, about=_about(profile, [file.name for file in files], own, wanted))
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from aliascope import api, image, metrics, pipeline, plan, references, renderers, scene_io
+from aliascope import api, image, jobs, metrics, pipeline, plan, references, renderers, scene_io
 from aliascope.errors import InvalidInput, NotWritable
 from aliascope.native import filters
 from aliascope.records import Rendering
@@ -84,7 +84,7 @@ def render_file(
         "repeats": cost.repeats,
         "threads": threads,
         "quantum": rendering.quantum,
-        "versions": {**versions, **pipeline.plugin_versions(spec)},
+        "versions": {**versions, **jobs.plugin_versions(spec)},
         "image": str(out),
     }
 
