@@ -237,6 +237,13 @@ def test_a_wider_pixel_is_caught_and_measured(drawn: Drawn) -> None:
 # --- the command ------------------------------------------------------------------------------------------------------
 
 
+@dataclasses.dataclass(frozen=True)
+class Now:
+    """A task that is done when it is asked for."""
+
+    result: Callable[[], Any]
+
+
 class Inline:
     """Workers that work here and now."""
 
@@ -249,8 +256,8 @@ class Inline:
     def __exit__(self, *of: object) -> None:
         pass
 
-    def begin(self, task: Callable[..., Any], arguments: Sequence[Any], time_limit: float) -> Callable[[], Any]:
-        return lambda: task(*arguments)
+    def begin(self, task: Callable[..., Any], arguments: Sequence[Any], time_limit: float) -> Now:
+        return Now(lambda: task(*arguments))
 
 
 OPTIONS = ("--size", "24x16", "--samples", "4", "--replicates", "8")

@@ -24,7 +24,7 @@ from aliascope.studies import agree_effects, agree_known, selection
 from aliascope.studies.agree_effects import FINE, Facts
 from aliascope.studies.agree_judge import Judgement, Side, judge
 from aliascope.studies.agree_known import FLOAT32, Known
-from aliascope.workers import Workers
+from aliascope.workers import Task, Workers
 
 SAMPLER = "sobol,sampler.scramble=owen"
 """Owen's scrambling makes each point uniform, so that the mean has no bias at any count."""
@@ -211,7 +211,7 @@ def _rendered(
 ) -> tuple[dict[str, Facts], dict[tuple[str, str], Side]]:
     """Everything that the tests need, by scene, and by scene and renderer."""
     files = [file for file in sought.files if sought.pairs(file)]
-    begun: dict[tuple[str, str], list[Callable[[], tuple[Pixels, float]]]] = {}
+    begun: dict[tuple[str, str], list[Task[tuple[Pixels, float]]]] = {}
     # POV-Ray's frames wait more than they work: these first, the others beside them.
     for name in sorted(sought.names, key=lambda name: CONVERGING[name][1]):
         for file in files:
@@ -231,14 +231,14 @@ def _rendered(
     made: dict[tuple[str, str], list[tuple[Pixels, float]]] = {}
     for (scene, name), results in begun.items():
         made[scene, name] = []
-        for result in results:
+        for each in results:
             tell(f"{scene}  {name}", done, total)
-            made[scene, name].append(result())
+            made[scene, name].append(each.result())
             done += 1
     facts: dict[str, Facts] = {}
     for scene, found in thought.items():
         tell(f"{scene}  effects", done, total)
-        facts[scene] = found()
+        facts[scene] = found.result()
         done += 1
     tell(None, total, total)
     sides = {
