@@ -10,6 +10,7 @@ from aliascope import jobs, plan, renderers, scene_io
 from aliascope.errors import InvalidInput, SpecError, near_misses
 from aliascope.jobs import Plan
 from aliascope.native import samplers
+from aliascope.scene_io import SceneFile
 from aliascope.specs import label, spelled_out, split
 
 WILDCARDS = frozenset("*?[")
@@ -34,11 +35,16 @@ def plan_of(
     if arrangements:
         wanted = {name: _arranged(name, found, arrangements) for name, found in wanted.items()}
     files = [scene_io.load(name) for name in scenes_of(scenes)]
+    check_names(files)
+    made = jobs.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
+    return replace(made, about=_about(profile, [file.name for file in files], own, wanted))
+
+
+def check_names(files: Sequence[SceneFile]) -> None:
+    """Raises InvalidInput where two scenes would stand under one name."""
     twice = {file.name for file in files if sum(other.name == file.name for other in files) > 1}
     if twice:
         raise InvalidInput(f"two scenes are named {', '.join(sorted(twice))}: rename one of the files")
-    made = jobs.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
-    return replace(made, about=_about(profile, [file.name for file in files], own, wanted))
 
 
 def _about(
