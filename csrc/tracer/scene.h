@@ -28,6 +28,8 @@ typedef struct layout {
   uint32_t time;
   uint32_t lens;
   uint32_t count;
+  uint32_t *groups; /* how many numbers belong together, the first two included */
+  size_t group_count;
 } layout;
 
 /* What one of Embree's geometries holds, where some move: surfaces of one kind and motion. */

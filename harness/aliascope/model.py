@@ -331,10 +331,15 @@ class Needs(Part):
     diffuse_bounces: int
 
     @property
+    def groups(self) -> tuple[int, ...]:
+        """The dimensions of a sample that belong together, in their order: two of the pixel, one of time, two of the
+        lens, two of each area light; tracer.h has the same. Reflection has none yet."""
+        return (2, *(1,) * self.shutter, *(2,) * self.lens, *(2,) * self.area_lights)
+
+    @property
     def dimensions(self) -> int:
-        """Of a sample: two of the pixel, one of time, two of the lens, two of each area light; tracer.h has their
-        order. Reflection has none yet."""
-        return 2 + self.shutter + 2 * self.lens + 2 * self.area_lights
+        """Of a sample: all groups together."""
+        return sum(self.groups)
 
 
 class Scene(Part):
