@@ -34,6 +34,7 @@ static asc_status take_view(tracer *made, const asc_view *view, asc_error *error
   if (view->blades == 1 || view->blades == 2 || view->blades > 64)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "a lens has 3 to 64 blades, or 0 where it is round, not %u",
                     view->blades);
+  lens_make(view, &made->lens);
   return ASC_OK;
 }
 

@@ -8,6 +8,7 @@
 #include <embree3/rtcore.h>
 #include <math.h>
 
+#include "lens.h"
 #include "light.h"
 #include "motion.h"
 #include "tracer.h"
@@ -44,6 +45,7 @@ struct tracer {
   RTCDevice device;
   RTCScene scene;
   asc_view view;
+  lens lens;
   layout further;
   asc_material *materials; /* pattern origins relative to the eye, along the world's axes */
   size_t material_count;
