@@ -324,6 +324,7 @@ class Needs(Part):
     mirror: bool
     gloss: bool
     diffuse_bounces: int
+    mirror_bounces: int
 
     @property
     def dimensions(self) -> int:
@@ -381,6 +382,7 @@ class Scene(Part):
             mirror=any(each.gloss is None for each in mirrors),
             gloss=any(each.gloss is not None for each in mirrors),
             diffuse_bounces=self.transport.diffuse_bounces,
+            mirror_bounces=self.transport.mirror_bounces if mirrors else 0,
         )
 
     def digest(self) -> str:

@@ -273,7 +273,7 @@ int main(void) {
     materials[i].emission[i % 3] = 0.1 + 0.1 * i;
     materials[i].albedo[i % 3] = 0.5;
   }
-  const asc_light light = {ASC_LIGHT_DIRECTIONAL, {sun[0], sun[1], sun[2]}, {1, 1, 1}, 0};
+  const asc_light light = {.kind = ASC_LIGHT_DIRECTIONAL, .place = {sun[0], sun[1], sun[2]}, .intensity = {1, 1, 1}};
   asc_scene scene = {.struct_size = sizeof scene,
                      .view = view,
                      .materials = materials,
