@@ -2,9 +2,12 @@
 
 #include <string.h>
 
+#include "path.h"
+
 void packet_begin(packet *rays) {
   rtcInitIntersectContext(&rays->context);
   rays->context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcInitIntersectContext(&rays->scattered);
 }
 
 /* Rays through the lanes' samples. Perspective: from the eye, t is the depth; orthographic: from the eye's plane. */
@@ -86,5 +89,5 @@ void packet_trace(const tracer *made, packet *rays) {
   if (made->plain)
     take_emission(made, rays);
   else
-    packet_shade(made, rays);
+    path_follow(made, rays);
 }
