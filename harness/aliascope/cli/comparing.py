@@ -11,6 +11,7 @@ import typer
 
 from aliascope.cli.shared import Json, Size, app, print_json, size_of
 from aliascope.errors import InvalidInput
+from aliascope.native.samplers import ARRANGEMENTS
 
 
 @app.command(epilog="Example: aliascope compare edge discs -r embree -r povray --profile quick -o results")
@@ -27,6 +28,10 @@ def compare(
     processes: Annotated[
         int, typer.Option("-j", min=1, max=64, help="Jobs side by side; more than 1 inflates their times.")
     ] = 1,
+    dimensions: Annotated[
+        list[str] | None,
+        typer.Option(metavar="|".join(ARRANGEMENTS), help="Of modes that do not say; may stand several times."),
+    ] = None,
     size: Size = None,
     time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that one job may take.")] = 120.0,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be rendered, and end.")] = False,
@@ -41,7 +46,7 @@ def compare(
 
     if resume and not (out / "results.sqlite").is_file():
         raise InvalidInput(f"{out}: has no results to resume; leave --resume out to begin")
-    plan = selection.plan_of(scenes or [], renderer or [], mode or [], profile, size_of(size))
+    plan = selection.plan_of(scenes or [], renderer or [], mode or [], profile, size_of(size), dimensions or [])
     if dry_run:
         _dry_run(plan, as_json)
         return

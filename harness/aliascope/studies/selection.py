@@ -22,14 +22,18 @@ def plan_of(
     modes: Sequence[str],
     profile: str,
     size: tuple[int, int] | None,
+    arrangements: Sequence[str] = (),
 ) -> Plan:
-    """The plan of `aliascope compare`. Nothing named means all; renderers named must be there."""
+    """The plan of `aliascope compare`. Nothing named means all; renderers named must be there. Modes that take an
+    arrangement of dimensions and say none have each of these."""
     plugged_in = [info.name for info in samplers.registered() if info.plugged_in]
     own = plan.with_samplers(plan.profile(profile), plugged_in)
     names = plan.matching(chosen, renderers.RENDERERS, "renderer") if chosen else list(own)
     wanted = {name: list(own.get(name, ())) for name in names}
     if modes:
         wanted = _modes(wanted, modes)
+    if arrangements:
+        wanted = {name: _arranged(name, found, arrangements) for name, found in wanted.items()}
     files = [scene_io.load(name) for name in scenes_of(scenes)]
     check_names(files)
     made = jobs.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
@@ -79,6 +83,12 @@ def _modes(profile: dict[str, list[str]], modes: Sequence[str]) -> dict[str, lis
         for name, found in hits.items():
             wanted[name] += found
     return {name: found for name, found in wanted.items() if found}
+
+
+def _arranged(renderer: str, modes: Sequence[str], arrangements: Sequence[str]) -> list[str]:
+    found = renderers.find(renderer)
+    made = (renderers.arranged(found, mode, arrangement) for arrangement in arrangements for mode in modes)
+    return list(dict.fromkeys(made))
 
 
 def _hits(renderer: str, mode: str, own: Sequence[str]) -> list[str]:
