@@ -390,6 +390,15 @@ def test_povray_agrees_too(inline: None) -> None:
     assert printed["cells"][0]["tests"]["pixel"]["limit"] > 0.5 / 65535
 
 
+def test_no_two_renderers_share_a_seed() -> None:
+    """Patterns are the same for all pixels, so they would have the same errors."""
+    asked = [agree.Asked(replicates=1024, seed=seed) for seed in (0, 1, 2**19)]
+    seeds = [seed for each in asked for name in agree.CONVERGING for seed in agree.seeds_of(name, each)]
+    assert len(set(seeds)) == len(seeds) == 9 * 1024
+    assert min(seeds) > 2**42  # references have theirs from 2^40 on
+    assert max(seeds) < 2**64
+
+
 def test_what_cannot_be_tested_is_refused() -> None:
     assert "two renderers or more" in complaint("agree", "edge", "-r", "embree", code=2)
     assert "16 times as wide" in complaint("agree", "edge", "--size", "2000x2000", code=2)
