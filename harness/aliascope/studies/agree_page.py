@@ -41,6 +41,7 @@ def page_of(answer: Answer) -> TeachingPage:
         for cell in answer.cells
         for each in cell.known
     )
+    empty = bool(_of(answer, "empty")) or bool(answer.skipped)
     sections = [
         Section("verdicts", "The verdicts", (summary(answer) + ".", _TEXT), (_verdicts(answer),)),
         Section("differ", "What differs", definitions=tuple(wrong)) if wrong else None,
@@ -48,6 +49,7 @@ def page_of(answer: Answer) -> TeachingPage:
         Section("power", "What it would have found", (_POWER,), (_power(answer),)),
         Section("effects", "What was found", (_FOUND,), tuple(_effects(answer))),
         Section("maps", "Where", (_MAPS,), panels=tuple(_maps(answer)), columns=5),
+        Section("empty", "What two do not both draw", definitions=tuple(_empty(answer))) if empty else None,
         Section("granted", "What is granted beside the standard errors", definitions=BOUNDS),
         Section("made", "How it was made", definitions=(*answer.modes.items(), ("command", command(answer)))),
         Section("files", "Files beside this page", files=(("All figures", (("results.json", "results.json"),)),)),
@@ -95,6 +97,18 @@ _MAPS = (
 
 def _of(answer: Answer, verdict: str) -> list[Cell]:
     return [cell for cell in answer.cells if cell.verdict == verdict]
+
+
+def _empty(answer: Answer) -> Iterable[tuple[str, str]]:
+    """The scenes of each reason, and renderers that are not there."""
+    scenes: dict[str, list[str]] = {}
+    for cell in _of(answer, "empty"):
+        named = scenes.setdefault(cell.reason, [])
+        if cell.scene not in named:
+            named.append(cell.scene)
+    for reason, named in scenes.items():
+        yield ", ".join(named), reason
+    yield from answer.skipped.items()
 
 
 def _pairs(answer: Answer) -> list[tuple[str, str]]:
