@@ -245,9 +245,9 @@ def test_a_lens_in_a_scene() -> None:
 
 
 def test_the_circle_of_confusion_is_two_sevenths_of_a_pixel() -> None:
-    edge = scene(box(5.5, -30.0, 60.0, 40.0), camera=LENS)
+    edge = scene(box(5.9, -30.0, 60.0, 40.0), camera=LENS)
     found = (make(edge, SIZE).exact[4, :, 0] - BACKGROUND[0]) / RED[0]
-    mean = float(mpmath.quad(lambda x: segment(float(5.5 - x), 2 / 7), [5, 5.5 - 2 / 7, 5.5 + 2 / 7, 6]))
+    mean = float(mpmath.quad(lambda x: segment(float(5.9 - x), 2 / 7), [5, 5.9 - 2 / 7, 6]))
     assert abs(found[5] - mean) < 1e-7
     assert abs(found[4]) < 1e-15
 
@@ -284,6 +284,10 @@ REFUSED = {
     "a lens with blades": (scene(box(1, 1, 5, 5), camera=LENS | {"blades": 6}), "blades"),
     "a lens before a tilted polygon": (scene(polygon([(1, 1, 0), (5, 1, 1), (5, 5, 1)]), camera=LENS), "not parallel"),
     "a lens before what overlaps": (scene(box(1, 1, 5, 5), box(3, 3, 7, 7, 1.0, "blue"), camera=LENS), "blur over"),
+    "a lens, near the blurred border of what is behind": (
+        scene(box(-2, -2, 8, 12, -4.0, "green"), disc(6.6, 4.5, 0.5), camera=LENS),
+        "blur over",
+    ),
     "a lens and motion": (
         scene(slides(box(1, 1, 5, 5), 1, 0), camera=LENS | {"shutter": [0.0, 1.0]}),
         '"defocus" has no answer for motion',
