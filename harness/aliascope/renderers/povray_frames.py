@@ -7,7 +7,6 @@ the pixel, one of time, two of the lens. Haeberli and Akeley 1990, "The Accumula
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -17,7 +16,7 @@ from aliascope import motion
 from aliascope.geometry import Array
 from aliascope.model import Scene
 from aliascope.native import samplers
-from aliascope.native.warps import DISC
+from aliascope.renderers.accumulation import lens_points, shutter_times
 from aliascope.renderers.povray_modes import ACCUMULATE, FOCAL_BLUR, dimensions
 from aliascope.specs import Spec
 
@@ -97,33 +96,6 @@ def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
 def light_grid(mode: Spec) -> LightGrid:
     """What the mode says of area lights."""
     return LightGrid(int(mode.word("light_grid")), mode.word("light_adaptive"), mode.word("light_jitter") == "on")
-
-
-def shutter_times(scene: Scene, u: Array) -> Array:
-    """The times (n,) at which the shutter's response has let the shares u (n,) of all its light through."""
-    assert scene.camera.shutter is not None
-    opening, closing = scene.camera.shutter
-    if scene.camera.response == "triangle":
-        u = np.where(u < 0.5, np.sqrt(0.5 * u), 1.0 - np.sqrt(0.5 * (1.0 - u)))
-    times: Array = opening + (closing - opening) * u
-    return times
-
-
-def lens_points(scene: Scene, u: Array) -> Array:
-    """Points (n, 2) spread evenly over the aperture: the disc of the lens, by the concentric map, or the regular
-    polygon inscribed in it with a corner upward, a triangle for each blade."""
-    radius, blades = scene.camera.lens_radius, scene.camera.blades
-    assert radius is not None
-    if blades < 3:
-        return radius * DISC.sample(u)
-    place = blades * u[:, 0]
-    blade = np.minimum(np.floor(place), blades - 1.0)
-    angles = 0.5 * math.pi + 2.0 * math.pi / blades * (blade[:, np.newaxis] + np.array([0.0, 1.0]))
-    corners = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    # Of a triangle with a corner in the middle: the square root spreads the distance from it, evenly over the area.
-    reach, along = np.sqrt(place - blade)[:, np.newaxis], u[:, 1:]
-    points: Array = radius * reach * ((1.0 - along) * corners[:, 0] + along * corners[:, 1])
-    return points
 
 
 def moments(scene: Scene, times: Array | None) -> Iterator[Scene]:
