@@ -31,16 +31,16 @@ class Choices:
     lights: Array | None = None
 
 
-def choices_of(scene: Scene, sampler: str, count: int, seed: int) -> Choices:
-    """Those of a scene whose needs a mean of passes meets. Raises Unsupported for a pattern without so many points or
-    dimensions, SpecError."""
+def choices_of(scene: Scene, sampler: str, count: int, seed: int, arrangement: str) -> Choices:
+    """Those of a scene whose needs a mean of passes meets; `arrangement`, of its groups of dimensions. Raises
+    Unsupported for a pattern without so many points or dimensions, SpecError."""
     needs = scene.needs()
-    points = samplers.points(sampler, count, needs.dimensions, seed)
+    points = samplers.points(sampler, count, needs.groups, seed, arrangement=arrangement)
     lens = 2 + needs.shutter
     lights = lens + 2 * needs.lens
     return Choices(
         points[:, :2],
-        samplers.weights(sampler, count, needs.dimensions),
+        samplers.weights(sampler, count, needs.groups, arrangement),
         shutter_times(scene, points[:, 2]) if needs.shutter else None,
         lens_points(scene, points[:, lens:lights]) if needs.lens else None,
         points[:, lights:].reshape(count, needs.area_lights, 2) if needs.area_lights else None,

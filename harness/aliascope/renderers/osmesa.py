@@ -14,7 +14,7 @@ from aliascope.native import raster, samplers
 from aliascope.native.raster import Passes
 from aliascope.records import Cost, Rendering
 from aliascope.renderers.accumulation import choices_of
-from aliascope.renderers.base import Request
+from aliascope.renderers.base import DIMENSIONS, Request
 from aliascope.specs import Form, Key, Spec
 
 CENTRE = (0.5, 0.5)
@@ -46,6 +46,7 @@ ACCUMULATE = Form(
     (
         Key("n", "integer", 16, "passes", 1, 65536, is_count=True),
         Key("sampler", "spec", "halton", "the pattern", inner=samplers.canonical, named=True),
+        DIMENSIONS,
     ),
 )
 
@@ -55,7 +56,7 @@ def passes_of(mode: Spec, scene: Scene, seed: int = 0) -> Passes:
     if reason := _unable(mode, scene):
         raise Unsupported(reason)
     if mode.name == ACCUMULATE.name:
-        chosen = choices_of(scene, mode.word("sampler"), mode.integer("n"), seed)
+        chosen = choices_of(scene, mode.word("sampler"), mode.integer("n"), seed, mode.word("dimensions"))
         return Passes(chosen.offsets, chosen.weights, times=chosen.times, lens=chosen.lens, lights=chosen.lights)
     if mode.name == NONE.name:
         return Passes(np.array([CENTRE]), np.ones(1))
@@ -67,7 +68,7 @@ def passes_of(mode: Spec, scene: Scene, seed: int = 0) -> Passes:
 def _unable(mode: Spec, scene: Scene) -> str | None:
     needs = scene.needs()
     if mode.name == ACCUMULATE.name:
-        return samplers.refusal(mode.word("sampler"), mode.integer("n"), needs.dimensions)
+        return samplers.refusal(mode.word("sampler"), mode.integer("n"), needs.groups, mode.word("dimensions"))
     asked = {"a lens": needs.lens, "motion": needs.shutter, "lights with an area": needs.area_lights > 0}
     if any(asked.values()):
         missing = " and ".join(name for name, there in asked.items() if there)
@@ -111,6 +112,7 @@ class OSMesa:
     )
     probe_mode = "accumulate:n=256,sampler=regular"
     single_mode = "none"
+    idles = False
 
     def versions(self) -> Mapping[str, str]:
         renderer, version = raster.describe()
@@ -124,7 +126,7 @@ class OSMesa:
             return False
         sampler, count = mode.word("sampler"), mode.integer("n")
         planar = samplers.refusal(sampler, count) is None  # patterns of space and time have three dimensions alone
-        return samplers.randomised(sampler, count, 2 if planar else 3)
+        return mode.word("dimensions") != "joint" or samplers.randomised(sampler, count, 2 if planar else 3)
 
     def render(self, request: Request) -> Rendering:
         """Draws in the calling thread; `threads` is not used. The time limit is looked at between repeats only."""

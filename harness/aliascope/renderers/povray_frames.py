@@ -1,8 +1,9 @@
 """The frames that make up a picture of the mode `accumulate`: where in the pixel, when, and through which point of the
-lens each looks.
+lens each looks, and which point of each area light shines.
 
 A scene without a lens or without a shutter spends no dimension of the sampler on it. The dimensions in order: two of
-the pixel, one of time, two of the lens. Haeberli and Akeley 1990, "The Accumulation Buffer", average pictures so.
+the pixel, one of time, two of the lens, two of each light with an area, as the scene states them. Haeberli and Akeley
+1990, "The Accumulation Buffer", average pictures so.
 """
 
 from __future__ import annotations
@@ -14,15 +15,16 @@ import numpy as np
 
 from aliascope import motion
 from aliascope.geometry import Array
-from aliascope.model import Scene
+from aliascope.model import AreaLight, DiscLight, Scene, SphereLight
 from aliascope.native import samplers
-from aliascope.renderers.accumulation import lens_points, shutter_times
-from aliascope.renderers.povray_modes import ACCUMULATE, FOCAL_BLUR, dimensions
+from aliascope.renderers.accumulation import choices_of
+from aliascope.renderers.povray_area_lights import LightPoints, points_on
+from aliascope.renderers.povray_modes import ACCUMULATE, FOCAL_BLUR
 from aliascope.specs import Spec
 
 MOMENTS = 65
-"""Evenly spaced moments of a shutter at which a scene is looked at before the times of its frames are known."""
-
+"""Frames with which a scene is looked at before its own are known: evenly spaced moments of the shutter, and points of
+its lights."""
 
 APERTURE = 4.0
 """Of POV-Ray's camera, over the radius of the lens that acts (measured; its manual makes it the diameter, 2)."""
@@ -55,8 +57,9 @@ class LightGrid:
 class Frames:
     """The frames that make a picture. shifts (n, 2): pixels to the right and down from the centres of the pixels;
     weights (n,); times (n,) in [0, 1], None for a scene that stands still; lens (n, 2): to the right and up from the
-    middle of the lens, in the scene's units, None without a lens. blur: POV-Ray's own lens, in its place. grid: of each
-    area light."""
+    middle of the lens, in the scene's units, None without a lens. blur: POV-Ray's own lens, in its place. lights: of
+    each of the scene's lights its points, None of one without an area; where there are none here, area lights are
+    POV-Ray's own, of this grid."""
 
     shifts: Array
     weights: Array
@@ -64,6 +67,7 @@ class Frames:
     lens: Array | None = None
     blur: FocalBlur | None = None
     grid: LightGrid = LightGrid()
+    lights: tuple[LightPoints | None, ...] = ()
 
 
 def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
@@ -81,16 +85,36 @@ def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
         )
     if mode.name != ACCUMULATE.name:
         return Frames(np.zeros((1, 2)), np.ones(1), grid=light_grid(mode))
-    sampler, count, needs = mode.word("sampler"), mode.integer("n"), scene.needs()
-    width = dimensions(needs)
-    points = samplers.points(sampler, count, width, seed)
+    chosen = choices_of(scene, mode.word("sampler"), mode.integer("n"), seed, mode.word("dimensions"))
     return Frames(
-        points[:, :2] - 0.5,
-        samplers.weights(sampler, count, width),
-        shutter_times(scene, points[:, 2]) if needs.shutter else None,
-        lens_points(scene, points[:, width - 2 :]) if needs.lens else None,
-        grid=light_grid(mode),
+        chosen.offsets - 0.5,
+        chosen.weights,
+        chosen.times,
+        chosen.lens,
+        lights=_light_points(scene, chosen.lights),
     )
+
+
+def _light_points(scene: Scene, u: Array | None) -> tuple[LightPoints | None, ...]:
+    """u: (frames, lights with an area, 2), or None."""
+    if u is None:
+        return ()
+    areas = iter(np.moveaxis(u, 1, 0))
+    has_area = (AreaLight, DiscLight, SphereLight)
+    return tuple(points_on(light, next(areas)) if isinstance(light, has_area) else None for light in scene.lights)
+
+
+def looked_at(scene: Scene) -> Frames:
+    """MOMENTS frames that stand for those of any mode: from the shutter's opening to its closing, with points all over
+    the lights."""
+    areas = scene.needs().area_lights
+    times = None
+    if scene.needs().shutter:
+        assert scene.camera.shutter is not None
+        times = np.linspace(*scene.camera.shutter, MOMENTS)
+    u = samplers.points("halton", MOMENTS, 2 * areas).reshape(MOMENTS, areas, 2) if areas else None
+    lights = _light_points(scene, u)
+    return Frames(np.zeros((MOMENTS, 2)), np.full(MOMENTS, 1.0 / MOMENTS), times, lights=lights)
 
 
 def light_grid(mode: Spec) -> LightGrid:
@@ -105,11 +129,3 @@ def moments(scene: Scene, times: Array | None) -> Iterator[Scene]:
         return
     for time in times.tolist():
         yield motion.at(scene, time)
-
-
-def times_within(scene: Scene) -> Array | None:
-    """MOMENTS times from the shutter's opening to its closing, or None for a scene that stands still."""
-    if not scene.needs().shutter:
-        return None
-    assert scene.camera.shutter is not None
-    return np.linspace(*scene.camera.shutter, MOMENTS)
