@@ -28,6 +28,8 @@ typedef struct layout {
   uint32_t time;
   uint32_t lens;
   uint32_t count;
+  uint32_t *groups; /* how many numbers belong together, the first two included */
+  size_t group_count;
 } layout;
 
 /* What one of Embree's geometries holds, where some move: surfaces of one kind and motion. */
@@ -35,6 +37,8 @@ typedef struct part {
   uint32_t kind;
   uint32_t *members; /* by primitive, the surface's number among those of its kind */
 } part;
+
+typedef struct mesh_frames mesh_frames;
 
 struct tracer {
   RTCDevice device;
@@ -54,6 +58,8 @@ struct tracer {
   asc_motion *motions; /* in the camera frame, axes of length 1 */
   size_t motion_count;
   const asc_motion **motion_of[GEOMETRY_KINDS]; /* by surface, NULL where it stands still; NULL: all do */
+  mesh_frames *frames;                          /* by motion, empty but for those of frames; NULL: there are none */
+  uint32_t *frame_member;                       /* by triangle, where frames.h has it among those of its motion */
   part *parts; /* by Embree's geometry; NULL where nothing moves: there it is the kind, with all its surfaces */
   size_t part_count;
   int plain; /* no pattern, light or plane: what Embree finds is all that shading needs */
@@ -65,6 +71,9 @@ asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_erro
 
 /* Makes the geometries in the camera frame and builds the acceleration structure. */
 asc_status tracer_take_geometry(tracer *made, const asc_scene *scene, asc_error *error);
+
+/* The plane through a triangle's corners; without area its normal is 0. */
+plane plane_of(const double corner[3][3]);
 
 /* Copies the motions into the camera frame, and which surface has which. */
 asc_status tracer_take_motions(tracer *made, const asc_scene *scene, asc_error *error);

@@ -30,6 +30,10 @@ ASC_API void tracer_destroy(tracer *made);
  *          sphere that is seen by the concentric map */
 ASC_API uint32_t tracer_dimensions(const tracer *made);
 
+/* The sizes of these groups, in their order: what asc_sampler_arrange takes. `count` gets how many there are; `sizes`,
+ * where it is not NULL, has room for them. */
+ASC_API void tracer_groups(const tracer *made, uint32_t *sizes, size_t *count);
+
 typedef struct tracer_desc {
   size_t struct_size;
   const asc_sampler *sampler; /* its N is the number of samples a pixel; at least tracer_dimensions; not owned */

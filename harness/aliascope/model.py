@@ -26,6 +26,15 @@ Colour = tuple[Intensity, Intensity, Intensity]
 BLACK: Colour = (0.0, 0.0, 0.0)
 
 
+LEAST_DIRECTION = 1e-100
+"""Shorter ones have no square, so no length, among doubles."""
+
+
+def _check_direction(name: str, vector: Vector) -> None:
+    if max(map(abs, vector)) < LEAST_DIRECTION:
+        raise ValueError(f"{name} must not be zero, nor shorter than {LEAST_DIRECTION:g}")
+
+
 class Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -63,7 +72,7 @@ class Camera(Part):
             raise ValueError('an "orthographic" camera has height, and no vertical_fov_degrees')
         if (self.lens_radius is None) != (self.focus_distance is None):
             raise ValueError("lens_radius and focus_distance come together")
-        if self.lens_radius is not None and not perspective:
+        if self.lens_radius and not perspective:
             raise ValueError('a lens is for a "perspective" camera')
         if self.blades in (1, 2):
             raise ValueError(f"a lens has 3 blades or more, or 0 where it is round, not {self.blades}")
@@ -159,8 +168,7 @@ class Rotate(Part):
 
     @model_validator(mode="after")
     def _axis(self) -> Rotate:
-        if not any(self.axis):
-            raise ValueError("axis must not be zero")
+        _check_direction("axis", self.axis)
         return self
 
 
@@ -221,8 +229,7 @@ class Disc(Surface):
 
     @model_validator(mode="after")
     def _normal(self) -> Disc:
-        if not any(self.normal):
-            raise ValueError("normal must not be zero")
+        _check_direction("normal", self.normal)
         return self
 
 
@@ -233,8 +240,7 @@ class Plane(Surface):
 
     @model_validator(mode="after")
     def _normal(self) -> Plane:
-        if not any(self.normal):
-            raise ValueError("normal must not be zero")
+        _check_direction("normal", self.normal)
         return self
 
 
@@ -259,8 +265,7 @@ class DirectionalLight(Light):
 
     @model_validator(mode="after")
     def _direction(self) -> DirectionalLight:
-        if not any(self.direction):
-            raise ValueError("direction must not be zero")
+        _check_direction("direction", self.direction)
         if self.falloff != "none":
             raise ValueError("a directional light comes from no point, so it has no falloff")
         return self
@@ -293,8 +298,7 @@ class DiscLight(Light):
 
     @model_validator(mode="after")
     def _normal(self) -> DiscLight:
-        if not any(self.normal):
-            raise ValueError("normal must not be zero")
+        _check_direction("normal", self.normal)
         return self
 
 
@@ -309,7 +313,8 @@ AnyLight = Annotated[PointLight | DirectionalLight | AreaLight | DiscLight | Sph
 
 class Transport(Part):
     """How far light is followed. `diffuse_bounces`: over so many diffuse surfaces between a light and the one that is
-    seen; 0: from lights alone. `mirror_bounces`: of a path in mirrors, glossy ones too; past them there is no light."""
+    seen; 0: from lights alone; none where every albedo is 0. `mirror_bounces`: of a path in mirrors, glossy ones too;
+    past them there is no light."""
 
     diffuse_bounces: Annotated[int, Field(strict=True, ge=0, le=64)] = 0
     mirror_bounces: Annotated[int, Field(strict=True, ge=1, le=64)] = 8
@@ -326,10 +331,15 @@ class Needs(Part):
     diffuse_bounces: int
 
     @property
+    def groups(self) -> tuple[int, ...]:
+        """The dimensions of a sample that belong together, in their order: two of the pixel, one of time, two of the
+        lens, two of each area light; tracer.h has the same. Reflection has none yet."""
+        return (2, *(1,) * self.shutter, *(2,) * self.lens, *(2,) * self.area_lights)
+
+    @property
     def dimensions(self) -> int:
-        """Of a sample: two of the pixel, one of time, two of the lens, two of each area light; tracer.h has their
-        order. Reflection has none yet."""
-        return 2 + self.shutter + 2 * self.lens + 2 * self.area_lights
+        """Of a sample: all groups together."""
+        return sum(self.groups)
 
 
 class Scene(Part):
@@ -367,8 +377,8 @@ class Scene(Part):
         return frozenset(found)
 
     def needs(self) -> Needs:
-        """A lens of radius 0, a shutter that nothing moves under, a material that no surface has: none of them is
-        needed."""
+        """A lens of radius 0, a shutter that nothing moves under, a material that no surface has, bounces between
+        surfaces that scatter nothing: none of them is needed."""
         shutter = self.camera.shutter
         used = {surface.material for surface in self.surfaces}
         mirrors = [each for name, each in self.materials.items() if name in used and any(each.reflection)]
@@ -380,8 +390,11 @@ class Scene(Part):
             area_lights=sum(isinstance(light, AreaLight | DiscLight | SphereLight) for light in self.lights),
             mirror=any(each.gloss is None for each in mirrors),
             gloss=any(each.gloss is not None for each in mirrors),
-            diffuse_bounces=self.transport.diffuse_bounces,
+            diffuse_bounces=self.transport.diffuse_bounces if self._scatters(used) else 0,
         )
+
+    def _scatters(self, used: set[str]) -> bool:
+        return any(any(self.materials[name].albedo) for name in used)
 
     def digest(self) -> str:
         """SHA-256, in hexadecimal, of what a picture of the scene depends on: not of its words, and a default that is

@@ -7,11 +7,22 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from aliascope.model import Scene
+from aliascope.native import samplers
 from aliascope.records import Rendering
-from aliascope.specs import Form, Spec
+from aliascope.specs import Form, Key, Spec
 
 LEAST_SECONDS = 0.1
 """A timed rendering is repeated until it has lasted this long; the repeats' mean is the cost of one picture."""
+
+DIMENSIONS = Key(
+    "dimensions",
+    "choice",
+    "joint",
+    "how pixel, time, lens and lights go together: joint, one pattern in all their dimensions; padded, one each, "
+    "shuffled against each other; decorrelated, one each, near in the pixel and far in the others",
+    choices=samplers.ARRANGEMENTS,
+)
+"""Of modes that take what a sample needs from one sampler; `aliascope render --dimensions` sets it."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from aliascope.errors import InvalidInput, JobFailed, NotWritable, Unsupported
 from aliascope.geometry import Array
 from aliascope.image import read_image
 from aliascope.model import LARGEST_AREA, Scene
-from aliascope.motion import turns_a_checker
+from aliascope.motion import no_still
 from aliascope.records import Cost, Pixels, Rendering
 from aliascope.renderers.base import Request, lacks
 from aliascope.renderers.povray_frames import Frames, frames_of, looked_at, moments
@@ -92,7 +92,7 @@ class PovRay:
             *("polygon", "mesh", "disc", "sphere", "plane"),
             *("zone-plate", "checker"),
             *("point light", "directional light", "area light", "disc light", "sphere light"),
-            *("lens", "motion", "mirror"),
+            *("lens", "motion", "mesh of frames", "mirror"),
         }
     )
     probe_mode = "am1:depth=9,jitter=0,threshold=0"
@@ -108,8 +108,8 @@ class PovRay:
         reason = unable_mode(mode, scene) or too_long(scene, mode, Request.time_limit)
         if reason:
             return reason
-        if turns_a_checker(scene):
-            return "POV-Ray here draws frames of still scenes, and a checker that has turned is none"
+        if moving := no_still(scene):
+            return f"POV-Ray here draws frames of still scenes: {moving}"
         frames = looked_at(scene)
         peak = lighting_of(scene, frames).peak
         return too_bright(peak) or next(filter(None, map(out_of_reach, moments(scene, frames.times))), None)

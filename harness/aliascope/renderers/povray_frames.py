@@ -20,7 +20,7 @@ from aliascope.model import Scene
 from aliascope.native import samplers
 from aliascope.native.warps import DISC
 from aliascope.renderers.povray_area_lights import LightPoints, points_on
-from aliascope.renderers.povray_modes import ACCUMULATE, FOCAL_BLUR, dimensions
+from aliascope.renderers.povray_modes import ACCUMULATE, FOCAL_BLUR
 from aliascope.specs import Spec
 
 MOMENTS = 65
@@ -87,9 +87,9 @@ def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
     if mode.name != ACCUMULATE.name:
         return Frames(np.zeros((1, 2)), np.ones(1), grid=light_grid(mode))
     sampler, count = mode.word("sampler"), mode.integer("n")
-    width = dimensions(scene.needs())
-    points = samplers.points(sampler, count, width, seed)
-    return _frames(scene, points, samplers.weights(sampler, count, width))
+    sizes, arrangement = scene.needs().groups, mode.word("dimensions")
+    points = samplers.points(sampler, count, sizes, seed, arrangement=arrangement)
+    return _frames(scene, points, samplers.weights(sampler, count, sizes, arrangement))
 
 
 def _frames(scene: Scene, points: Array, weights: Array) -> Frames:

@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from aliascope.errors import Unsupported
-from aliascope.model import AreaLight, DiscLight, LoadedMesh, Needs, Scene, SphereLight
+from aliascope.model import AreaLight, DiscLight, LoadedMesh, Scene, SphereLight
 from aliascope.native import samplers
+from aliascope.renderers.base import DIMENSIONS
 from aliascope.specs import Form, Key, Spec
 
 FRAME_SECONDS = 0.23
@@ -33,8 +34,8 @@ START_SECONDS = 0.5
 ANTIALIAS_GAMMA = 2.5
 """povray compares colours to the power of 1/2.5 with its threshold; it averages them as they are."""
 
-DIMENSIONS = (2, 3, 4, 5)
-"""Those that a sample can have, with a shutter and a lens or without, but for lights: see `dimensions`."""
+GROUPS = ((2,), (2, 1), (2, 2), (2, 1, 2))
+"""Those that a sample can have, with a shutter and a lens or without, but for lights: see `Needs.groups`."""
 
 # povray refuses +A1 and more, and shows 0.999 to three digits.
 _THRESHOLD = Key("threshold", "real", 0.1, "sum over RGB of the differences that calls for more samples", 0.0, 0.999)
@@ -86,6 +87,7 @@ ACCUMULATE = Form(
     (
         Key("n", "integer", 16, "frames, the samples a pixel", 1, 4096, is_count=True),
         Key("sampler", "spec", "halton", "the pattern", inner=_sampler, named=True),
+        DIMENSIONS,
     ),
 )
 
@@ -130,12 +132,6 @@ FORMS = (
 )
 
 
-def dimensions(needs: Needs) -> int:
-    """The dimensions of a sample of `accumulate`: of the pixel, and of the time, the lens, each area light, where they
-    are needed."""
-    return 2 + needs.shutter + 2 * needs.lens + 2 * needs.area_lights
-
-
 def frame_count(mode: Spec) -> int:
     return mode.integer("n") if mode.name == ACCUMULATE.name else 1
 
@@ -167,7 +163,7 @@ def unable_mode(mode: Spec, scene: Scene) -> str | None:
         below = math.isqrt(n)
         return f"regular:n={n} is not a square number; the nearest are {below**2} and {(below + 1) ** 2}"
     if mode.name == ACCUMULATE.name:
-        return samplers.refusal(mode.word("sampler"), mode.integer("n"), dimensions(scene.needs()))
+        return samplers.refusal(mode.word("sampler"), mode.integer("n"), scene.needs().groups, mode.word("dimensions"))
     return _without_frames(mode, scene) or _lights_of_its_own(mode, scene)
 
 
@@ -239,9 +235,11 @@ def seeded(mode: Spec) -> bool:
     """
     if mode.name != ACCUMULATE.name:
         return False
+    if mode.word("dimensions") != "joint":
+        return True  # the shuffling is
     sampler, count = mode.word("sampler"), mode.integer("n")
-    refused = [samplers.refusal(sampler, count, width) for width in DIMENSIONS]
-    return samplers.randomised(sampler, count, DIMENSIONS[refused.index(None)] if None in refused else DIMENSIONS[0])
+    refused = [samplers.refusal(sampler, count, width) for width in GROUPS]
+    return samplers.randomised(sampler, count, GROUPS[refused.index(None)] if None in refused else GROUPS[0])
 
 
 def antialiasing(mode: Spec, exposure: float) -> tuple[str, ...]:
