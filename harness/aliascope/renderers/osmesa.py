@@ -113,6 +113,7 @@ class OSMesa:
     probe_mode = "accumulate:n=256,sampler=regular"
     single_mode = "none"
     idles = False
+    absent: Mapping[str, str] = {}
 
     def versions(self) -> Mapping[str, str]:
         renderer, version = raster.describe()
