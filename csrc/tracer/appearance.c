@@ -113,6 +113,12 @@ static void lay_out(tracer *made) {
     made->lights[i].numbers = further->count;
     if (light_has_area(&made->lights[i].given)) further->count += 2;
   }
+  const transport *far = &made->transport;
+  further->emitter = further->count;
+  if (far->samples_emitters) further->count += 2;
+  further->bounces = further->count;
+  further->bounce = (far->diffuse_bounces ? 1U : 0U) + (far->spreads ? 2U : 0U);
+  further->count += far->bounces * further->bounce;
 }
 
 asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_error *error) {

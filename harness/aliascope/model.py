@@ -325,12 +325,17 @@ class Needs(Part):
     gloss: bool
     diffuse_bounces: int
     mirror_bounces: int
+    emitters: int
+    """Surfaces that shine, planes not among them, where gloss or diffuse bounces look for them."""
 
     @property
     def dimensions(self) -> int:
-        """Of a sample: two of the pixel, one of time, two of the lens, two of each area light; tracer.h has their
-        order. Reflection has none yet."""
-        return 2 + self.shutter + 2 * self.lens + 2 * self.area_lights
+        """Of a sample: two of the pixel, one of time, two of the lens, two of each area light, two of the place on a
+        surface that shines; then of each bounce one of the choice how a path goes on, where there are diffuse ones, and
+        two of a direction, where a mirror is not all there is. tracer.h has their order."""
+        bounce = 3 if self.diffuse_bounces else 2 if self.gloss else 0
+        bounces = (self.mirror_bounces + self.diffuse_bounces) * bounce
+        return 2 + self.shutter + 2 * (self.lens + self.area_lights + (self.emitters > 0)) + bounces
 
 
 class Scene(Part):
@@ -372,7 +377,15 @@ class Scene(Part):
         needed."""
         shutter = self.camera.shutter
         used = {surface.material for surface in self.surfaces}
-        mirrors = [each for name, each in self.materials.items() if name in used and any(each.reflection)]
+        materials = [each for name, each in self.materials.items() if name in used]
+        mirrors = [each for each in materials if any(each.reflection)]
+        gloss = any(each.gloss is not None for each in mirrors)
+        diffuse_bounces = self.transport.diffuse_bounces if any(any(each.albedo) for each in materials) else 0
+        shining = [
+            each
+            for each in self.surfaces
+            if any(self.materials[each.material].emission) and not isinstance(each, Plane)
+        ]
         return Needs(
             lens=bool(self.camera.lens_radius),
             shutter=shutter is not None
@@ -380,9 +393,10 @@ class Scene(Part):
             and any(surface.motion for surface in self.surfaces),
             area_lights=sum(isinstance(light, AreaLight | DiscLight | SphereLight) for light in self.lights),
             mirror=any(each.gloss is None for each in mirrors),
-            gloss=any(each.gloss is not None for each in mirrors),
-            diffuse_bounces=self.transport.diffuse_bounces,
+            gloss=gloss,
+            diffuse_bounces=diffuse_bounces,
             mirror_bounces=self.transport.mirror_bounces if mirrors else 0,
+            emitters=len(shining) if gloss or diffuse_bounces else 0,
         )
 
     def digest(self) -> str:
