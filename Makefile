@@ -57,6 +57,11 @@ compare: all
 mitchell: all
 	@$(VENV)/bin/aliascope mitchell -o $(RESULTS)/mitchell
 
+## agree      test whether the renderers' converged pictures of every scene agree
+.PHONY: agree
+agree: all
+	@$(VENV)/bin/aliascope agree -o $(RESULTS)/agree
+
 ## test       every test: C (also under sanitizers), Python, browser
 .PHONY: test
 test: all

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "estimator.h"
+#include "made.h"
 
 #define MOST_AT_ONCE 8192 /* samples of one call of the integrand */
 
@@ -159,6 +160,6 @@ asc_status asc_prepare_fresh(asc_estimator *self, asc_error *error) {
     return asc_fail(error, ASC_UNSUPPORTED,
                     "%s: unbiased=1 needs a sampler that is randomised; %s has the same points for every seed",
                     self->interface->name, desc.spec);
-  desc.seed ^= 0x9e3779b97f4a7c15u; /* samplers mix the seed's bits: any other will do */
-  return asc_sampler_create(&desc, &self->fresh, error);
+  const uint64_t other = desc.seed ^ 0x9e3779b97f4a7c15u; /* samplers mix the seed's bits: any other will do */
+  return asc_sampler_reseed(self->sampler, other, &self->fresh, error);
 }

@@ -25,7 +25,8 @@ enum asc_purpose {
   ASC_PURPOSE_ROTATION = 4,
   ASC_PURPOSE_SCRAMBLE = 5,
   ASC_PURPOSE_STREAM_OF_BITS = 6,
-  ASC_PURPOSE_EDGE = 7 /* of the measures of random edges */
+  ASC_PURPOSE_EDGE = 7, /* of the measures of random edges */
+  ASC_PURPOSE_RANK = 8  /* of arrangements of groups of dimensions */
 };
 
 typedef struct asc_key {

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "made.h"
 #include "pattern.h"
-#include "spec.h"
 #include "vectorise.h"
 
 /* One line a pattern. */
@@ -53,13 +53,6 @@ static const asc_sampler_interface *const built_in[] = {BUILT_IN_SAMPLERS(ADDRES
 
 static const asc_sampler_interface *plugged_in[MOST_PLUGINS];
 static size_t plugged_in_count;
-
-struct asc_sampler {
-  const asc_sampler_interface *interface;
-  asc_sampler_state made;
-  asc_sampler_desc resolved;
-  char spec[ASC_SPEC_LENGTH];
-};
 
 size_t asc_sampler_count(void) { return BUILT_IN_COUNT + plugged_in_count; }
 

@@ -34,6 +34,7 @@ static asc_status take_view(tracer *made, const asc_view *view, asc_error *error
   if (view->blades == 1 || view->blades == 2 || view->blades > 64)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "a lens has 3 to 64 blades, or 0 where it is round, not %u",
                     view->blades);
+  lens_make(view, &made->lens);
   return ASC_OK;
 }
 
@@ -103,22 +104,37 @@ static asc_status take_lights(tracer *made, const asc_scene *scene, asc_error *e
   return ASC_OK;
 }
 
-static void lay_out(tracer *made) {
+/* Gives the next group of a sample's numbers its place, `at` from the third number on (NULL: the group is the first two
+ * themselves). */
+static int add_group(layout *to, uint32_t size, uint32_t *at) {
+  uint32_t *groups = realloc(to->groups, (to->group_count + 1) * sizeof *groups);
+  if (!groups) return 0;
+  to->groups = groups;
+  groups[to->group_count++] = size;
+  if (!at) return 1;
+  *at = to->count;
+  to->count += size;
+  return 1;
+}
+
+/* The one place that says what a sample has numbers for, and in which order; tracer.h tells it. */
+static asc_status lay_out(tracer *made, asc_error *error) {
   layout *further = &made->further;
-  further->time = further->count;
-  if (made->motion_count > 0) further->count += 1;
-  further->lens = further->count;
-  if (made->view.lens_radius > 0.0) further->count += 2;
-  for (size_t i = 0; i < made->light_count; i++) {
-    made->lights[i].numbers = further->count;
-    if (light_has_area(&made->lights[i].given)) further->count += 2;
-  }
   const transport *far = &made->transport;
-  further->emitter = further->count;
-  if (far->samples_emitters) further->count += 2;
+  int there = add_group(further, 2, NULL);
+  if (made->motion_count > 0) there = there && add_group(further, 1, &further->time);
+  if (made->view.lens_radius > 0.0) there = there && add_group(further, 2, &further->lens);
+  for (size_t i = 0; i < made->light_count; i++)
+    if (light_has_area(&made->lights[i].given)) there = there && add_group(further, 2, &made->lights[i].numbers);
+  if (far->samples_emitters) there = there && add_group(further, 2, &further->emitter);
   further->bounces = further->count;
   further->bounce = (far->diffuse_bounces ? 1U : 0U) + (far->spreads ? 2U : 0U);
-  further->count += far->bounces * further->bounce;
+  for (uint32_t i = 0; i < far->bounces; i++) {
+    uint32_t at;
+    if (far->diffuse_bounces) there = there && add_group(further, 1, &at);
+    if (far->spreads) there = there && add_group(further, 2, &at);
+  }
+  return there ? ASC_OK : asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
 }
 
 asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_error *error) {
@@ -128,6 +144,6 @@ asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_erro
   if (status == ASC_OK) status = take_lights(made, scene, error);
   if (status == ASC_OK) status = transport_take(made, scene, error);
   if (status == ASC_OK) status = tracer_take_motions(made, scene, error);
-  if (status == ASC_OK) lay_out(made);
+  if (status == ASC_OK) status = lay_out(made, error);
   return status;
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "concentric.h"
+#include "frames.h"
 
 static double length_of(const double v[3]) { return sqrt(dot(v, v)); }
 
@@ -57,7 +58,7 @@ static asc_status list(tracer *made, const asc_scene *scene, uint32_t kind, size
     return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu surfaces that shine", found);
   for (uint32_t i = 0; i < count; i++) {
     const double power = power_of(&made->materials[made->material_of[kind][i]]);
-    if (!(power > 0.0)) continue;
+    if (!(power > 0.0) || frames_of(made, tracer_motion(made, (surface){kind, i}))) continue;
     emitter fresh = describe(made, scene, (surface){kind, i});
     fresh.chance = power * fresh.area;
     if (!(fresh.chance > 0.0)) continue; /* a triangle without area */

@@ -1,5 +1,6 @@
 /* Surfaces that shine, as places to send shadow rays to: triangles, discs and spheres, each chosen as often as its
- * power is of all. Planes have no end, so rays only come upon them. */
+ * power is of all. Planes have no end, and the triangles of frames no area of their own, so rays only come upon them.
+ */
 #ifndef TRACER_EMITTER_H
 #define TRACER_EMITTER_H
 

@@ -2,6 +2,8 @@
 
 #include <stdlib.h>
 
+#include "frames.h"
+
 /* Some surfaces of a kind, which share a motion. */
 typedef struct batch {
   uint32_t kind;
@@ -26,11 +28,16 @@ static int put_triangles(const tracer *made, const asc_scene *scene, const batch
   float *vertices = new_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, 3, 3 * of->count);
   uint32_t *indices = step == 0 ? new_buffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3, of->count) : NULL;
   if (!vertices || (step == 0 && !indices)) return 0;
+  const mesh_frames *frames = frames_of(made, of->motion);
   for (size_t i = 0; i < 3 * of->count; i++) {
     const size_t number = of->members ? of->members[i / 3] : i / 3;
     double corner[3];
-    tracer_to_camera(&made->view, scene->vertices + 9 * number + 3 * (i % 3), corner);
-    put_point(corner, at, vertices + 3 * i);
+    if (frames)
+      put_point(frames->corners + 3 * (3 * of->count * step + i), NULL, vertices + 3 * i);
+    else {
+      tracer_to_camera(&made->view, scene->vertices + 9 * number + 3 * (i % 3), corner);
+      put_point(corner, at, vertices + 3 * i);
+    }
     if (indices) indices[i] = (uint32_t)i;
   }
   return 1;
@@ -64,12 +71,21 @@ static asc_status attach(tracer *made, const asc_scene *scene, const batch *of, 
   RTCGeometry geometry = rtcNewGeometry(made->device, types[of->kind]);
   const asc_view *view = &made->view;
   const double open = view->shutter_open, duration = view->shutter_close - open;
-  const unsigned segments = of->motion ? (unsigned)motion_segments(of->motion, duration) : 0, steps = segments + 1;
+  const mesh_frames *frames = frames_of(made, of->motion);
+  const unsigned segments = frames       ? (unsigned)frames->count - 1
+                            : of->motion ? (unsigned)motion_segments(of->motion, duration)
+                                         : 0,
+                 steps = segments + 1;
   if (of->motion) rtcSetGeometryTimeStepCount(geometry, steps);
+  if (frames) {
+    float begin, end;
+    frames_time_range(made, frames, &begin, &end);
+    rtcSetGeometryTimeRange(geometry, begin, end);
+  }
   for (unsigned step = 0; step < steps; step++) {
     placing at;
-    if (of->motion) at = motion_at(of->motion, open + duration * step / segments);
-    const placing *placed = of->motion ? &at : NULL;
+    if (of->motion && !frames) at = motion_at(of->motion, open + duration * step / segments);
+    const placing *placed = of->motion && !frames ? &at : NULL;
     const int done = of->kind == TRIANGLES ? put_triangles(made, scene, of, geometry, step, placed)
                                            : put_round(made, scene, of, geometry, step, placed);
     if (!done) {

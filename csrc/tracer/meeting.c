@@ -2,6 +2,8 @@
 
 #include <float.h>
 
+#include "frames.h"
+
 static double along_plane(const plane *met, const double origin[3], const double direction[3]) {
   return (met->offset - dot(met->normal, origin)) / dot(met->normal, direction);
 }
@@ -55,6 +57,8 @@ static double meet(const tracer *made, surface of, double time, const double ori
     for (int i = 0; i < 3; i++) met->rest[i] = origin[i] + t * direction[i];
     return t;
   }
+  if (motion->kind == ASC_MOTION_FRAMES)
+    return frames_meet(made, of.number, time, origin, direction, met->normal, met->rest, &met->slack);
   const placing at = motion_at(motion, time);
   double rest_origin[3], rest_direction[3], normal[3];
   motion_ray_to_rest(&at, origin, direction, rest_origin, rest_direction);

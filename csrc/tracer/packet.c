@@ -2,7 +2,6 @@
 
 #include <string.h>
 
-#include "lens.h"
 #include "path.h"
 
 void packet_begin(packet *rays) {
@@ -44,7 +43,7 @@ static void move_to_lens(const tracer *made, packet *rays) {
   struct RTCRay16 *ray = &rays->rays.ray;
   double u[PACKET][2];
   for (int i = 0; i < PACKET; i++) memcpy(u[i], rays->further[i] + made->further.lens, sizeof u[i]);
-  lens_points(&made->view, PACKET, (const double(*)[2])u, rays->lens);
+  lens_points(&made->lens, PACKET, (const double(*)[2])u, rays->lens);
   const double nearness = 1.0 / made->view.focus_distance;
   for (int i = 0; i < PACKET; i++) {
     ray->org_x[i] = (float)rays->lens[i][0];

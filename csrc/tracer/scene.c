@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "frames.h"
 #include "geometry.h"
 
 #define WHOLE_TURN (2.0 * 3.14159265358979323846 * (1.0 + 1e-12)) /* given in degrees, it is rounded */
@@ -22,8 +23,7 @@ static asc_status take_indices(tracer *made, int kind, const void *first, size_t
   return ASC_OK;
 }
 
-/* The plane through a triangle's corners, in the camera frame. */
-static plane plane_of(const double corner[3][3]) {
+plane plane_of(const double corner[3][3]) {
   double a[3], b[3];
   for (int i = 0; i < 3; i++) {
     a[i] = corner[1][i] - corner[0][i];
@@ -150,6 +150,8 @@ asc_status tracer_take_motions(tracer *made, const asc_scene *scene, asc_error *
     motion->angle = -world->angle; /* x right, y up, z forward is left-handed */
     const double length = sqrt(dot(motion->axis, motion->axis));
     const int turns = motion->kind == ASC_MOTION_ROTATE;
+    if (motion->kind != ASC_MOTION_TRANSLATE && motion->kind != ASC_MOTION_FRAMES && !turns)
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "motion %zu has an unknown kind, %d", i, (int)motion->kind);
     if (!finite3(motion->by) || !finite3(motion->centre) || !isfinite(motion->angle) || !isfinite(length) ||
         (turns && !(length > 0.0)))
       return asc_fail(error, ASC_INVALID_ARGUMENT, "motion %zu is not finite, or has no axis", i);
@@ -161,6 +163,7 @@ asc_status tracer_take_motions(tracer *made, const asc_scene *scene, asc_error *
   if (status == ASC_OK) status = take_motion_of(made, DISCS, scene->disc_motion, scene->disc_count, error);
   if (status == ASC_OK) status = take_motion_of(made, SPHERES, scene->sphere_motion, scene->sphere_count, error);
   if (status == ASC_OK) status = take_motion_of(made, PLANES, scene->plane_motion, scene->plane_count, error);
+  if (status == ASC_OK) status = frames_take(made, scene, error);
   return status;
 }
 

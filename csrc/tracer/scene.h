@@ -7,6 +7,7 @@
 
 #include <embree3/rtcore.h>
 
+#include "lens.h"
 #include "light.h"
 #include "motion.h"
 #include "tracer.h"
@@ -31,6 +32,8 @@ typedef struct layout {
   uint32_t bounces; /* of the first; `bounce` numbers each */
   uint32_t bounce;
   uint32_t count;
+  uint32_t *groups; /* how many numbers belong together, the first two included */
+  size_t group_count;
 } layout;
 
 /* What one of Embree's geometries holds, where some move: surfaces of one kind and motion. */
@@ -49,15 +52,18 @@ typedef struct transport {
   uint32_t mirror_bounces;
   uint32_t diffuse_bounces;
   int spreads;          /* gloss or diffuse bounces: directions are chosen */
-  int samples_emitters; /* and there is a surface that shines, other than planes */
+  int samples_emitters; /* and there is a surface that shines, other than planes and meshes of frames */
   emission_from emission_from;
   uint32_t roulette_from; /* the bounce from which on a path may end by chance */
 } transport;
+
+typedef struct mesh_frames mesh_frames;
 
 struct tracer {
   RTCDevice device;
   RTCScene scene;
   asc_view view;
+  lens lens;
   layout further;
   transport transport;
   asc_material *materials; /* pattern origins relative to the eye, along the world's axes */
@@ -73,6 +79,8 @@ struct tracer {
   asc_motion *motions; /* in the camera frame, axes of length 1 */
   size_t motion_count;
   const asc_motion **motion_of[GEOMETRY_KINDS]; /* by surface, NULL where it stands still; NULL: all do */
+  mesh_frames *frames;                          /* by motion, empty but for those of frames; NULL: there are none */
+  uint32_t *frame_member;                       /* by triangle, where frames.h has it among those of its motion */
   part *parts; /* by Embree's geometry; NULL where nothing moves: there it is the kind, with all its surfaces */
   size_t part_count;
   struct emitter *emitters;
@@ -88,6 +96,9 @@ asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_erro
 
 /* Makes the geometries in the camera frame and builds the acceleration structure. */
 asc_status tracer_take_geometry(tracer *made, const asc_scene *scene, asc_error *error);
+
+/* The plane through a triangle's corners; without area its normal is 0. */
+plane plane_of(const double corner[3][3]);
 
 /* Copies the motions into the camera frame, and which surface has which. */
 asc_status tracer_take_motions(tracer *made, const asc_scene *scene, asc_error *error);

@@ -9,6 +9,7 @@
 #include "adaptive.h"
 #include "emitter.h"
 #include "filtered.h"
+#include "frames.h"
 #include "scene.h"
 
 static double seconds(clockid_t clock) {
@@ -46,6 +47,11 @@ asc_status tracer_create(const asc_scene *scene, tracer **made, asc_error *error
 
 uint32_t tracer_dimensions(const tracer *made) { return 2 + made->further.count; }
 
+void tracer_groups(const tracer *made, uint32_t *sizes, size_t *count) {
+  *count = made->further.group_count;
+  if (sizes) memcpy(sizes, made->further.groups, *count * sizeof *sizes);
+}
+
 void tracer_destroy(tracer *made) {
   if (!made) return;
   if (made->scene) rtcReleaseScene(made->scene);
@@ -57,6 +63,8 @@ void tracer_destroy(tracer *made) {
   }
   for (size_t i = 0; i < made->part_count; i++) free(made->parts[i].members);
   free(made->parts);
+  frames_free(made);
+  free(made->further.groups);
   free(made->motions);
   free(made->materials);
   free(made->triangle_planes);

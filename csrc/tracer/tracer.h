@@ -28,8 +28,8 @@ ASC_API void tracer_destroy(tracer *made);
  *          k = floor(blades u), f = blades u - k and w the second, sqrt(w) ((1 - f) a_k + f a_(k + 1))
  *   2      each light with an area, in the scene's order: its point, uniform by area; of discs and of the cap of a
  *          sphere that is seen by the concentric map
- *   2      the place on a surface that shines, where there is one but for planes, and gloss or diffuse bounces: the
- *          first also says which, each as often as its power is of all
+ *   2      the place on a surface that shines, where there is one but for planes and meshes of frames, and gloss or
+ *          diffuse bounces: the first also says which, each as often as its power is of all
  *   then for each bounce, `mirror_bounces` where a surface reflects and `diffuse_bounces` where one scatters:
  *   1      how the path goes on, or ends, where there are diffuse bounces
  *   2      the direction, where there are gloss or diffuse bounces
@@ -37,6 +37,10 @@ ASC_API void tracer_destroy(tracer *made);
  * Every vertex of a path takes the same numbers for a light. The estimate at each is unbiased by itself, and the sum so
  * too. */
 ASC_API uint32_t tracer_dimensions(const tracer *made);
+
+/* The sizes of these groups, in their order: what asc_sampler_arrange takes. `count` gets how many there are; `sizes`,
+ * where it is not NULL, has room for them. */
+ASC_API void tracer_groups(const tracer *made, uint32_t *sizes, size_t *count);
 
 typedef struct tracer_desc {
   size_t struct_size;

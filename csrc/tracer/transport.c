@@ -39,26 +39,28 @@ typedef struct found {
   int reflection, gloss, albedo, emission;
 } found;
 
-/* Adds what the surfaces of one kind ask for. */
-static void look_at(const tracer *made, const void *first, size_t stride, size_t count, found *asked) {
-  for (size_t i = 0; i < count; i++) {
-    const uint32_t index = *(const uint32_t *)(const void *)((const char *)first + i * stride);
-    if (index >= made->material_count) continue; /* refused where the surfaces are taken */
-    const asc_material *material = &made->materials[index];
-    asked->reflection |= is_there(material->reflection);
-    asked->gloss |= is_there(material->reflection) && material->gloss.kind != ASC_LOBE_MIRROR;
-    asked->albedo |= is_there(material->albedo);
-    asked->emission |= is_there(material->emission);
-  }
+/* Adds what a surface of this material asks for. Those that are no place to send rays to only come to be met. */
+static void look_at(const tracer *made, uint32_t index, int has_places, found *asked) {
+  if (index >= made->material_count) return; /* refused where the surfaces are taken */
+  const asc_material *material = &made->materials[index];
+  asked->reflection |= is_there(material->reflection);
+  asked->gloss |= is_there(material->reflection) && material->gloss.kind != ASC_LOBE_MIRROR;
+  asked->albedo |= is_there(material->albedo);
+  asked->emission |= has_places && is_there(material->emission);
+}
+
+static int changes_shape(const asc_scene *scene, size_t triangle) {
+  const uint32_t motion = scene->triangle_motion ? scene->triangle_motion[triangle] : 0;
+  return motion > 0 && motion <= scene->motion_count && scene->motions[motion - 1].kind == ASC_MOTION_FRAMES;
 }
 
 static found look_at_all(const tracer *made, const asc_scene *scene) {
   found asked = {0};
-  if (scene->plane_count) look_at(made, &scene->planes[0].material, sizeof(asc_plane), scene->plane_count, &asked);
-  asked.emission = 0; /* planes are not sampled */
-  look_at(made, scene->triangle_material, sizeof(uint32_t), scene->triangle_count, &asked);
-  if (scene->disc_count) look_at(made, &scene->discs[0].material, sizeof(asc_disc), scene->disc_count, &asked);
-  if (scene->sphere_count) look_at(made, &scene->spheres[0].material, sizeof(asc_sphere), scene->sphere_count, &asked);
+  for (size_t i = 0; i < scene->triangle_count; i++)
+    look_at(made, scene->triangle_material[i], !changes_shape(scene, i), &asked);
+  for (size_t i = 0; i < scene->disc_count; i++) look_at(made, scene->discs[i].material, 1, &asked);
+  for (size_t i = 0; i < scene->sphere_count; i++) look_at(made, scene->spheres[i].material, 1, &asked);
+  for (size_t i = 0; i < scene->plane_count; i++) look_at(made, scene->planes[i].material, 0, &asked);
   return asked;
 }
 

@@ -118,7 +118,8 @@ class Surfaces:
 
     triangles (n, 3, 3), triangle_material (n,); discs (centre, normal, radius, material), spheres (centre, radius,
     material) and planes (point, normal, material) as the scene states them, at time 0. What moves has, by kind and in
-    the same order, one more than the index of its motion, and 0 what stands still.
+    the same order, one more than the index of its motion, and 0 what stands still. frames: by motion, None but for
+    meshes of frames: (frames, n, 3, 3), the n triangles that have that motion.
     """
 
     materials: tuple[str, ...]
@@ -132,6 +133,7 @@ class Surfaces:
     disc_motion: tuple[int, ...]
     sphere_motion: tuple[int, ...]
     plane_motion: tuple[int, ...]
+    frames: tuple[Array | None, ...]
 
 
 def surfaces_of(scene: Scene) -> Surfaces:
@@ -146,6 +148,7 @@ def surfaces_of(scene: Scene) -> Surfaces:
     motions = tuple(dict.fromkeys(surface.motion for surface in scene.surfaces if surface.motion))
     moving = {None: 0} | {motion: i for i, motion in enumerate(motions, 1)}
     triangle_motion: list[NDArray[np.uint32]] = []
+    frames: list[list[Array]] = [[] for _ in motions]
     round_motion: dict[type, list[int]] = {Disc: [], Sphere: [], Plane: []}
     for surface in scene.surfaces:
         number, motion = index[surface.material], moving[surface.motion]
@@ -167,6 +170,8 @@ def surfaces_of(scene: Scene) -> Surfaces:
                 triangles.append(pieces)
                 material.append(np.full(len(pieces), number, np.uint32))
                 triangle_motion.append(np.full(len(pieces), motion, np.uint32))
+                if surface.frames is not None:
+                    frames[motion - 1].append(surface.frames)
     return Surfaces(
         materials=names,
         triangles=np.concatenate(triangles) if triangles else np.zeros((0, 3, 3)),
@@ -179,4 +184,5 @@ def surfaces_of(scene: Scene) -> Surfaces:
         disc_motion=tuple(round_motion[Disc]),
         sphere_motion=tuple(round_motion[Sphere]),
         plane_motion=tuple(round_motion[Plane]),
+        frames=tuple(np.concatenate(each, axis=1) if each else None for each in frames),
     )

@@ -26,6 +26,15 @@ Colour = tuple[Intensity, Intensity, Intensity]
 BLACK: Colour = (0.0, 0.0, 0.0)
 
 
+LEAST_DIRECTION = 1e-100
+"""Shorter ones have no square, so no length, among doubles."""
+
+
+def _check_direction(name: str, vector: Vector) -> None:
+    if max(map(abs, vector)) < LEAST_DIRECTION:
+        raise ValueError(f"{name} must not be zero, nor shorter than {LEAST_DIRECTION:g}")
+
+
 class Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -63,7 +72,7 @@ class Camera(Part):
             raise ValueError('an "orthographic" camera has height, and no vertical_fov_degrees')
         if (self.lens_radius is None) != (self.focus_distance is None):
             raise ValueError("lens_radius and focus_distance come together")
-        if self.lens_radius is not None and not perspective:
+        if self.lens_radius and not perspective:
             raise ValueError('a lens is for a "perspective" camera')
         if self.blades in (1, 2):
             raise ValueError(f"a lens has 3 blades or more, or 0 where it is round, not {self.blades}")
@@ -159,8 +168,7 @@ class Rotate(Part):
 
     @model_validator(mode="after")
     def _axis(self) -> Rotate:
-        if not any(self.axis):
-            raise ValueError("axis must not be zero")
+        _check_direction("axis", self.axis)
         return self
 
 
@@ -221,8 +229,7 @@ class Disc(Surface):
 
     @model_validator(mode="after")
     def _normal(self) -> Disc:
-        if not any(self.normal):
-            raise ValueError("normal must not be zero")
+        _check_direction("normal", self.normal)
         return self
 
 
@@ -233,8 +240,7 @@ class Plane(Surface):
 
     @model_validator(mode="after")
     def _normal(self) -> Plane:
-        if not any(self.normal):
-            raise ValueError("normal must not be zero")
+        _check_direction("normal", self.normal)
         return self
 
 
@@ -259,8 +265,7 @@ class DirectionalLight(Light):
 
     @model_validator(mode="after")
     def _direction(self) -> DirectionalLight:
-        if not any(self.direction):
-            raise ValueError("direction must not be zero")
+        _check_direction("direction", self.direction)
         if self.falloff != "none":
             raise ValueError("a directional light comes from no point, so it has no falloff")
         return self
@@ -293,8 +298,7 @@ class DiscLight(Light):
 
     @model_validator(mode="after")
     def _normal(self) -> DiscLight:
-        if not any(self.normal):
-            raise ValueError("normal must not be zero")
+        _check_direction("normal", self.normal)
         return self
 
 
@@ -309,7 +313,8 @@ AnyLight = Annotated[PointLight | DirectionalLight | AreaLight | DiscLight | Sph
 
 class Transport(Part):
     """How far light is followed. `diffuse_bounces`: over so many diffuse surfaces between a light and the one that is
-    seen; 0: from lights alone. `mirror_bounces`: of a path in mirrors, glossy ones too; past them there is no light."""
+    seen; 0: from lights alone; none where every albedo is 0. `mirror_bounces`: of a path in mirrors, glossy ones too;
+    past them there is no light."""
 
     diffuse_bounces: Annotated[int, Field(strict=True, ge=0, le=64)] = 0
     mirror_bounces: Annotated[int, Field(strict=True, ge=1, le=64)] = 8
@@ -326,16 +331,23 @@ class Needs(Part):
     diffuse_bounces: int
     mirror_bounces: int
     emitters: int
-    """Surfaces that shine, planes not among them, where gloss or diffuse bounces look for them."""
+    """Surfaces that shine, planes and meshes of frames not among them, where gloss or diffuse bounces look for them."""
+
+    @property
+    def groups(self) -> tuple[int, ...]:
+        """The dimensions of a sample that belong together, in their order: two of the pixel, one of time, two of the
+        lens, two of each area light, two of the place on a surface that shines; then of each bounce one of the choice
+        how a path goes on, where there are diffuse ones, and two of a direction, where a mirror is not all there is.
+        tracer.h has the same."""
+        bounce = (1, 2) if self.diffuse_bounces else (2,) if self.gloss else ()
+        areas = self.area_lights + (self.emitters > 0)
+        bounces = bounce * (self.mirror_bounces + self.diffuse_bounces)
+        return (2, *(1,) * self.shutter, *(2,) * self.lens, *(2,) * areas, *bounces)
 
     @property
     def dimensions(self) -> int:
-        """Of a sample: two of the pixel, one of time, two of the lens, two of each area light, two of the place on a
-        surface that shines; then of each bounce one of the choice how a path goes on, where there are diffuse ones, and
-        two of a direction, where a mirror is not all there is. tracer.h has their order."""
-        bounce = 3 if self.diffuse_bounces else 2 if self.gloss else 0
-        bounces = (self.mirror_bounces + self.diffuse_bounces) * bounce
-        return 2 + self.shutter + 2 * (self.lens + self.area_lights + (self.emitters > 0)) + bounces
+        """Of a sample: all groups together."""
+        return sum(self.groups)
 
 
 class Scene(Part):
@@ -373,30 +385,31 @@ class Scene(Part):
         return frozenset(found)
 
     def needs(self) -> Needs:
-        """A lens of radius 0, a shutter that nothing moves under, a material that no surface has: none of them is
-        needed."""
+        """A lens of radius 0, a shutter that nothing moves under, a material that no surface has, bounces between
+        surfaces that scatter nothing: none of them is needed."""
         shutter = self.camera.shutter
+        is_open = shutter is not None and shutter[0] < shutter[1]
         used = {surface.material for surface in self.surfaces}
         materials = [each for name, each in self.materials.items() if name in used]
         mirrors = [each for each in materials if any(each.reflection)]
         gloss = any(each.gloss is not None for each in mirrors)
-        diffuse_bounces = self.transport.diffuse_bounces if any(any(each.albedo) for each in materials) else 0
-        shining = [
-            each
+        scatters = any(any(each.albedo) for each in materials)
+        diffuse_bounces = self.transport.diffuse_bounces if scatters else 0
+        emitters = sum(
+            any(self.materials[each.material].emission)
+            and not isinstance(each, Plane)
+            and not (is_open and isinstance(each.motion, Frames))
             for each in self.surfaces
-            if any(self.materials[each.material].emission) and not isinstance(each, Plane)
-        ]
+        )
         return Needs(
             lens=bool(self.camera.lens_radius),
-            shutter=shutter is not None
-            and shutter[0] < shutter[1]
-            and any(surface.motion for surface in self.surfaces),
+            shutter=is_open and any(surface.motion for surface in self.surfaces),
             area_lights=sum(isinstance(light, AreaLight | DiscLight | SphereLight) for light in self.lights),
             mirror=any(each.gloss is None for each in mirrors),
             gloss=gloss,
             diffuse_bounces=diffuse_bounces,
             mirror_bounces=self.transport.mirror_bounces if mirrors else 0,
-            emitters=len(shining) if gloss or diffuse_bounces else 0,
+            emitters=emitters if gloss or diffuse_bounces else 0,
         )
 
     def digest(self) -> str:

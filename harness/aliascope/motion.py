@@ -15,6 +15,7 @@ from aliascope.model import (
     Frames,
     LoadedMesh,
     Mesh,
+    Motion,
     Plane,
     Polygon,
     Rotate,
@@ -40,9 +41,14 @@ def transform(motion: Translate | Rotate, time: float) -> tuple[Array, Array]:
 
 
 def moved(surface: AnySurface | LoadedMesh, time: float) -> AnySurface | LoadedMesh:
-    """The surface as it is at a time from 0 to 1, standing still. A Mesh that was not read yet cannot be moved."""
+    """The surface as it is at a time from 0 to 1, standing still; at time 0, to the bit as it is stated. A Mesh that
+    was not read yet cannot be moved."""
     if surface.motion is None:
         return surface
+    if time == 0.0:
+        return surface.model_copy(
+            update={"motion": None} | ({"frames": None} if isinstance(surface, LoadedMesh) else {})
+        )
     if isinstance(surface.motion, Frames):
         assert isinstance(surface, LoadedMesh)
         assert surface.frames is not None
@@ -94,23 +100,32 @@ TURNED_CHECKER = (
     "open the shutter for a while, or take a zone plate"
 )
 
+STRETCHED_PATTERN = (
+    "a pattern on a mesh that has changed its shape has no still scene: it is stretched with its triangles; "
+    "open the shutter for a while, or take a material without a pattern"
+)
 
-def turns_a_checker(scene: Scene) -> bool:
-    """Whether `at` cannot say what the scene is at a moment."""
-    return any(
-        isinstance(surface.motion, Rotate) and isinstance(scene.materials[surface.material].pattern, Checker)
-        for surface in scene.surfaces
-    )
+
+def no_still(scene: Scene) -> str | None:
+    """Why `at` cannot say what the scene is at a moment, or None."""
+    for surface in scene.surfaces:
+        pattern = scene.materials[surface.material].pattern
+        if isinstance(surface.motion, Rotate) and isinstance(pattern, Checker):
+            return TURNED_CHECKER
+        if isinstance(surface.motion, Frames) and pattern:
+            return STRETCHED_PATTERN
+    return None
 
 
 def at(scene: Scene, time: float) -> Scene:
     """The scene at a moment: nothing moves, and the shutter is an instant, which is no need. Patterns have gone with
-    their surfaces. Raises InvalidInput for a checker that has turned."""
+    their surfaces. Raises InvalidInput for a checker that has turned, and a pattern on a mesh that has changed its
+    shape."""
     camera = scene.camera.model_copy(update={"shutter": None, "response": "box"})
     materials, surfaces = dict(scene.materials), []
     for number, surface in enumerate(scene.surfaces):
         material, still = scene.materials[surface.material], moved(surface, time)
-        if material.pattern and isinstance(surface.motion, Translate | Rotate):
+        if material.pattern and surface.motion and time != 0.0:
             name = f"{surface.material} of surface {number}"
             materials[name] = material.model_copy(update={"pattern": _carried(material.pattern, surface.motion, time)})
             still = still.model_copy(update={"material": name})
@@ -118,8 +133,10 @@ def at(scene: Scene, time: float) -> Scene:
     return scene.model_copy(update={"camera": camera, "materials": materials, "surfaces": tuple(surfaces)})
 
 
-def _carried(pattern: ZonePlate | Checker, motion: Translate | Rotate, time: float) -> ZonePlate | Checker:
+def _carried(pattern: ZonePlate | Checker, motion: Motion, time: float) -> ZonePlate | Checker:
     """The pattern where the surface that it rides on has taken it."""
+    if isinstance(motion, Frames):
+        raise InvalidInput(STRETCHED_PATTERN)
     if isinstance(pattern, Checker) and isinstance(motion, Rotate) and math.radians(motion.degrees) * time != 0.0:
         raise InvalidInput(TURNED_CHECKER)
     matrix, offset = transform(motion, time)

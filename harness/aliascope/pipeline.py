@@ -1,26 +1,22 @@
-"""Joins the stages: plan, render in worker processes, measure, keep."""
+"""Joins the stages: render in worker processes, keep, measure."""
 
 from __future__ import annotations
 
-import functools
-import hashlib
-import re
 import shlex
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from aliascope import image, metrics, places, plan, renderers
-from aliascope.errors import AliascopeError, InvalidInput, NotAvailable
-from aliascope.native import samplers
-from aliascope.native.samplers import Plugin
-from aliascope.records import EmptyCell, Job, Outcome, Pixels, Rendering
-from aliascope.renderers.base import LEAST_SECONDS, Renderer, Request, filter_of, lacks
+from aliascope import image, metrics, places, renderers
+from aliascope.errors import AliascopeError, InvalidInput
+from aliascope.jobs import Plan, judged_by, mode_of, plugin_versions, plugins_of
+from aliascope.records import Job, Outcome, Pixels, Rendering
+from aliascope.renderers.base import LEAST_SECONDS, Request
 from aliascope.scene_io import SceneFile
-from aliascope.specs import Spec
 from aliascope.store import Store
-from aliascope.workers import Workers
+from aliascope.workers import Task, Workers
 
 References = Mapping[tuple[str, str], Pixels]
 """The pictures that others are judged by, by scene and filter."""
@@ -28,169 +24,18 @@ References = Mapping[tuple[str, str], Pixels]
 Progress = Callable[[Job | str | None, int, int], None]
 """Told of the job or other work that begins (None at the end), how many are done, and how many there are to do."""
 
+IDLE_ABREAST = 4
+"""Jobs of a renderer that idles (`Renderer.idles`) that run side by side."""
+
 
 @dataclass(frozen=True)
 class Options:
-    """How to run: processes side by side (timed jobs go one at a time: 1), seconds that one job may take."""
+    """How to run: processes side by side (timed jobs go one at a time: 1), seconds that one job may take, and that the
+    pictures of a scene and mode, its seeds together, are rendered for at least."""
 
     processes: int = 1
     time_limit: float = 120.0
     least_seconds: float = LEAST_SECONDS
-
-
-@dataclass(frozen=True)
-class Plan:
-    """Jobs in the order in which they run; cells that stay empty; renderers that are not there, with the reason."""
-
-    jobs: tuple[Job, ...]
-    empty: tuple[EmptyCell, ...]
-    skipped: Mapping[str, str]
-    files: Mapping[str, SceneFile]
-    versions: Mapping[str, str]
-    plugins: Mapping[str, str] = field(default_factory=dict)
-    """Of the modes' samplers: path and hash by "plugin NAME"."""
-    about: str = ""
-    """What was chosen, for the title of a report: "quick profile, chosen scenes"."""
-
-
-# --- plan -------------------------------------------------------------------------------------------------------------
-
-
-COMMON = ("geometry.py", "image.py", "meshes.py", "model.py", "motion.py", "specs.py")
-"""What the pictures of every renderer depend on, beside renderers/ and native/ without the files of other renderers."""
-
-SAMPLER_LIBRARY = "libaliascope.so"
-
-
-@functools.cache
-def code_of(renderer: str, with_samplers: bool) -> tuple[Path, ...]:
-    """The files whose code a picture of this renderer depends on; `with_samplers`: one of a mode with a sampler.
-
-    A mode without one depends on no sampler of the library: of it, the rasteriser takes the text of errors alone.
-    """
-    here = Path(__file__).parent
-    own = _own_files(here, renderer)
-    others = {path for name in renderers.RENDERERS if name != renderer for path in _own_files(here, name)} - own
-    libraries = set((here / "native" / "lib").glob("*.so"))
-    if not with_samplers:
-        libraries = {path for path in libraries if path.name != SAMPLER_LIBRARY}
-    folders = {path for name in ("renderers", "native") for path in (here / name).glob("*.py")}
-    registries = {path for path in folders if path.name == "__init__.py"}
-    found = ({here / name for name in COMMON} | folders | libraries) - others - registries
-    return tuple(sorted(found))
-
-
-def _own_files(here: Path, renderer: str) -> set[Path]:
-    native = renderers.find(renderer).native
-    return {
-        *(here / "renderers").glob(f"{renderer}*.py"),
-        *(here / "native" / f"{name}.py" for name in native),
-        *(here / "native" / "lib" / f"libaliascope-{name}.so" for name in native),
-    }
-
-
-@functools.cache
-def _digest(paths: tuple[Path, ...]) -> str:
-    digest = hashlib.sha256()
-    for path in paths:
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()[:16]
-
-
-def code_digest(renderer: str, mode: Spec) -> str:
-    """A hash of the code that pictures of this mode depend on: when it changes, they are made again."""
-    return _digest(code_of(renderer, any(key.kind == "spec" for key in mode.form.keys)))
-
-
-def plugins_of(mode: Spec) -> dict[str, Plugin]:
-    """The plugins whose samplers a mode names, by the sampler. Every word counts, a value of a key too: an inner spec
-    may stand anywhere."""
-    words = {word for value in mode.values.values() for word in re.split("[:,=]", str(value))}
-    return {name: plugin for plugin in samplers.plugins() for name in plugin.samplers if name in words}
-
-
-def plugin_versions(mode: Spec) -> dict[str, str]:
-    """For provenance: path and hash of the plugins that a mode names, by "plugin NAME"."""
-    return {f"plugin {name}": f"{plugin.path} sha256 {plugin.sha256}" for name, plugin in plugins_of(mode).items()}
-
-
-def make_plan(
-    files: Sequence[SceneFile],
-    wanted: Mapping[str, Sequence[str]],
-    seeds: int,
-    size: tuple[int, int] | None = None,
-    required: Sequence[str] = (),
-) -> Plan:
-    """The jobs of these scenes with these modes by renderer; a randomised mode gets `seeds` pictures.
-
-    Raises NotAvailable for a `required` renderer that is not there, SpecError for a mode that can't be read.
-    """
-    jobs: list[Job] = []
-    empty: list[EmptyCell] = []
-    skipped: dict[str, str] = {}
-    versions: dict[str, str] = {}
-    plugins: dict[str, str] = {}
-    for name, modes in wanted.items():
-        renderer = renderers.find(name)
-        specs = {spec.text: spec for spec in (renderers.mode_of(renderer, mode) for mode in modes)}
-        try:
-            own = dict(renderer.versions())
-        except NotAvailable as error:
-            if name in required:
-                raise
-            skipped[name] = str(error)
-            continue
-        versions.update(own)
-        for spec in specs.values():
-            plugins.update(plugin_versions(spec))
-        for file in files:
-            for spec in specs.values():
-                reason = lacks(renderer, file.scene, spec)
-                if reason:
-                    empty.append(EmptyCell(file.name, name, spec.text, reason))
-                else:
-                    jobs += _jobs(file, renderer, spec, seeds, size, own)
-    # By key, that is by chance: the time left can be told from the count, and no mode has the cold machine to itself.
-    jobs.sort(key=lambda job: job.key)
-    return Plan(tuple(jobs), tuple(empty), skipped, {file.name: file for file in files}, versions, plugins)
-
-
-def _jobs(
-    file: SceneFile,
-    renderer: Renderer,
-    spec: Spec,
-    seeds: int,
-    size: tuple[int, int] | None,
-    versions: Mapping[str, str],
-) -> Iterator[Job]:
-    for seed in range(seeds if renderer.seeded(spec) else 1):
-        yield plan.make_job(
-            scene=file.name,
-            scene_path=str(file.path),
-            digest=file.scene.digest(),
-            renderer=renderer.name,
-            mode=spec.text,
-            size=size or file.scene.view.size,
-            seed=seed,
-            versions={
-                **versions,
-                "code": code_digest(renderer.name, spec),
-                **{f"plugin {name}": plugin.sha256 for name, plugin in plugins_of(spec).items()},
-            },
-        )
-
-
-def judged_by(job: Job) -> tuple[str, str]:
-    """Which reference judges a job: its scene's, of the filter that its mode has."""
-    return job.scene, filter_of(mode_of(job))
-
-
-def mode_of(job: Job) -> Spec:
-    """The parsed mode of a job."""
-    return renderers.mode_of(renderers.find(job.renderer), job.mode)
-
-
-# --- run --------------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -259,19 +104,16 @@ def repeat_command(job: Job, time_limit: float = Request.time_limit) -> str:
 
 
 class Keeper:
-    """Measures what comes back, and keeps picture and figures."""
+    """Keeps what comes back, and measures it."""
 
     def __init__(self, folder: Path, store: Store, references: References, plan: Plan, processes: int) -> None:
         self._folder, self._store, self._references, self._plan = folder, store, references, plan
         self._processes = processes
 
-    def keep(self, job: Job, result: Callable[[], Timed], submitted: float) -> Outcome:
-        """The outcome of one job, kept; a job that fails is an outcome too."""
+    def keep(self, job: Job, task: Task[Timed], submitted: float) -> Outcome:
+        """The outcome of one job, kept without metrics; a job that fails is an outcome too."""
         try:
-            timed = result()
-            begun = time.perf_counter()
-            measured = metrics.measure(timed.rendering.pixels, self._references[judged_by(job)])
-            spent = time.perf_counter() - begun + timed.seconds
+            timed = task.result()
             path = image_path(job)
             header = provenance(job, timed.rendering, self._plan.versions)
             if timed.rendering.counts is not None:
@@ -281,16 +123,23 @@ class Keeper:
                 job=job,
                 status="done",
                 cost=timed.rendering.cost,
-                metrics={name: value.value for name, value in measured.items()},
                 quantum=timed.rendering.quantum,
                 image=path,
-                harness_seconds=time.perf_counter() - submitted - spent,
+                harness_seconds=time.perf_counter() - submitted - timed.seconds,
                 processes=self._processes,
             )
         except AliascopeError as error:
             outcome = Outcome(job=job, status="failed", message=str(error), processes=self._processes)
         self._store.put(outcome)
         return outcome
+
+    def measure(self, outcome: Outcome) -> Outcome:
+        """A kept outcome with the metrics that there are, of the picture that lies in the folder."""
+        pixels = image.read_image(self._folder / outcome.image)
+        values = metrics.measure(pixels, self._references[judged_by(outcome.job)])
+        measured = replace(outcome, metrics={name: value.value for name, value in values.items()})
+        self._store.put(measured)
+        return measured
 
     def whole(self, outcome: Outcome) -> bool:
         """Whether the picture of a kept outcome is there, can be read, and has its size; its counts too, if any."""
@@ -301,13 +150,63 @@ class Keeper:
         except InvalidInput:
             return False
 
-    def measured_again(self, outcome: Outcome) -> Outcome:
-        """A kept outcome with the metrics that there are now, of the picture that is there."""
-        pixels = image.read_image(self._folder / outcome.image)
-        values = metrics.measure(pixels, self._references[judged_by(outcome.job)])
-        fresh = replace(outcome, metrics={name: value.value for name, value in values.items()})
-        self._store.put(fresh)
-        return fresh
+
+def side_by_side(processes: int) -> int:
+    """How many worker processes there are for so many timed jobs at a time: those of a renderer that idles run
+    IDLE_ABREAST at least."""
+    return max(processes, IDLE_ABREAST)
+
+
+def _cell(job: Job) -> tuple[str, str, str]:
+    """What the pictures of several seeds share, and their time."""
+    return job.scene, job.renderer, job.mode
+
+
+class _Run:
+    """The jobs on their way. Nothing is measured beside a job that is timed alone; what waits to be measured is what
+    there is to do beside the others."""
+
+    def __init__(self, plan: Plan, options: Options, keeper: Keeper, workers: Workers) -> None:
+        self._plan, self._options, self._keeper, self._workers = plan, options, keeper, workers
+        self._pictures = Counter(_cell(job) for job in plan.jobs)
+        self.outcomes: dict[str, Outcome] = {}
+        self._unmeasured: deque[str] = deque()
+
+    def add(self, outcome: Outcome) -> None:
+        """An outcome that is kept."""
+        self.outcomes[outcome.job.key] = outcome
+        if outcome.status == "done" and set(outcome.metrics) != set(metrics.METRICS):
+            self._unmeasured.append(outcome.job.key)
+
+    def render(self, jobs: Iterable[Job], abreast: int, alone: bool, progress: Callable[[Job], None]) -> None:
+        """Has jobs rendered, so many side by side."""
+        waiting: deque[tuple[Job, Task[Timed], float]] = deque()
+        for job in jobs:
+            if len(waiting) == abreast:
+                self._finish(*waiting.popleft(), alone)
+            progress(job)
+            least = self._options.least_seconds / self._pictures[_cell(job)]
+            arguments = [self._plan.files[job.scene], job, replace(self._options, least_seconds=least)]
+            task = self._workers.begin(render_job, arguments, self._options.time_limit)
+            waiting.append((job, task, time.perf_counter()))
+        for job, task, submitted in waiting:
+            self._finish(job, task, submitted, alone)
+
+    def _finish(self, job: Job, task: Task[Timed], submitted: float, alone: bool) -> None:
+        while self._unmeasured and not alone and not task.done():
+            self._measure_one()
+        self.add(self._keeper.keep(job, task, submitted))
+
+    def _measure_one(self) -> None:
+        key = self._unmeasured.popleft()
+        self.outcomes[key] = self._keeper.measure(self.outcomes[key])
+
+    def measure(self, progress: Progress) -> None:
+        """Measures what is left."""
+        left = len(self._unmeasured)
+        while self._unmeasured:
+            progress("the measures of the pictures", left - len(self._unmeasured), left)
+            self._measure_one()
 
 
 def execute(
@@ -322,31 +221,26 @@ def execute(
     """Has the workers render what the store does not have. Returns the outcomes by key, and how many of them were there
     already.
 
-    What was timed beside more jobs than run side by side now does not count: its time is not comparable.
+    What was timed beside more jobs than run side by side now does not count: its time is not comparable. Jobs of
+    renderers that idle come last, by themselves: beside them others would not be timed alone.
     """
     image.remove_unfinished(folder / "images")
     keeper = Keeper(folder, store, references, plan, options.processes)
-    kept = store.done(job.key for job in plan.jobs)
-    outcomes = {
-        key: outcome
-        for key, outcome in kept.items()
-        if outcome.processes <= options.processes and keeper.whole(outcome)
-    }
-    for key, outcome in outcomes.items():
-        if set(outcome.metrics) != set(metrics.METRICS):
-            outcomes[key] = keeper.measured_again(outcome)
-    reused = len(outcomes)
-    todo = [job for job in plan.jobs if job.key not in outcomes]
-    if not todo:
-        return outcomes, reused
-    waiting: list[tuple[Job, Callable[[], Timed], float]] = []
-    for job in [*todo, *[None] * options.processes]:
-        if job is not None:
-            progress(job, len(outcomes) - reused, len(todo))
-            result = workers.begin(render_job, [plan.files[job.scene], job, options], options.time_limit)
-            waiting.append((job, result, time.perf_counter()))
-        if waiting and (job is None or len(waiting) >= options.processes):
-            oldest, result, submitted = waiting.pop(0)
-            outcomes[oldest.key] = keeper.keep(oldest, result, submitted)
-    progress(None, len(todo), len(todo))
-    return outcomes, reused
+    run = _Run(plan, options, keeper, workers)
+    for outcome in store.done(job.key for job in plan.jobs).values():
+        if outcome.processes <= options.processes and keeper.whole(outcome):
+            run.add(outcome)
+    reused = len(run.outcomes)
+    todo = [job for job in plan.jobs if job.key not in run.outcomes]
+
+    def begins(job: Job) -> None:
+        progress(job, len(run.outcomes) - reused, len(todo))
+
+    for idles in (False, True):
+        jobs = [job for job in todo if renderers.find(job.renderer).idles == idles]
+        abreast = side_by_side(options.processes) if idles else options.processes
+        run.render(jobs, abreast, alone=abreast == 1, progress=begins)
+    run.measure(progress)
+    if todo:
+        progress(None, len(todo), len(todo))
+    return run.outcomes, reused

@@ -123,11 +123,6 @@ def _check_surfaces(path: Path, lines: dict[Path_, int], scene: Scene) -> None:
                 raise InvalidInput(
                     f'{path}:{line}: surfaces.motion: only a mesh has "frames"; translate or rotate this'
                 )
-            if scene.materials[surface.material].pattern:
-                raise InvalidInput(
-                    f"{path}:{line}: surfaces.motion: a pattern does not ride on a mesh that changes shape; "
-                    "take a material without one"
-                )
         if isinstance(surface, Polygon):
             try:
                 triangulate(surface)

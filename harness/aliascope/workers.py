@@ -5,9 +5,10 @@ from __future__ import annotations
 import multiprocessing
 import signal
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
 from types import TracebackType
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 from pebble import ProcessExpired, ProcessPool
 
@@ -15,6 +16,28 @@ from aliascope.errors import JobFailed
 from aliascope.native import samplers
 
 Result = TypeVar("Result")
+
+
+class Task(Generic[Result]):
+    """What a worker process was given to do."""
+
+    def __init__(self, future: Future[Result], limit: float) -> None:
+        self._future, self._limit = future, limit
+
+    def done(self) -> bool:
+        """Whether it has ended, well or not."""
+        return bool(self._future.done())
+
+    def result(self) -> Result:
+        """Waits for the result. Raises what the task raises, and JobFailed where its process ended or took too long."""
+        try:
+            return self._future.result()
+        except FutureTimeout as error:
+            raise JobFailed(f"gave no picture within {self._limit:g} s and was ended") from error
+        except ProcessExpired as error:
+            code = error.exitcode or 0
+            how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
+            raise JobFailed(f"the process that rendered it ended {how}") from error
 
 
 def patience(time_limit: float) -> float:
@@ -47,24 +70,10 @@ class Workers:
             self._pool.stop()
         self._pool.join()
 
-    def begin(self, task: Callable[..., Result], arguments: Sequence[Any], time_limit: float) -> Callable[[], Result]:
-        """Has `task` done, by the first process that is free. The function that is given back waits for the result; it
-        raises what the task raises, and JobFailed where its process ended or took longer than `time_limit`, in
-        seconds, and some patience."""
+    def begin(self, task: Callable[..., Result], arguments: Sequence[Any], time_limit: float) -> Task[Result]:
+        """Has `task` done, by the first process that is free, within `time_limit`, in seconds, and some patience."""
         limit = patience(time_limit)
-        future = self._pool.schedule(task, args=arguments, timeout=limit)
-
-        def result() -> Result:
-            try:
-                return future.result()
-            except FutureTimeout as error:
-                raise JobFailed(f"gave no picture within {limit:g} s and was ended") from error
-            except ProcessExpired as error:
-                code = error.exitcode or 0
-                how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
-                raise JobFailed(f"the process that rendered it ended {how}") from error
-
-        return result
+        return Task(self._pool.schedule(task, args=arguments, timeout=limit), limit)
 
 
 def _begin(plugins: list[str]) -> None:

@@ -8,7 +8,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from aliascope import pipeline, references, scene_io
+from aliascope import jobs, pipeline, references, scene_io
 from aliascope.store import Store
 from aliascope.workers import Workers
 
@@ -17,7 +17,7 @@ JOBS = 300
 
 def main() -> None:
     file = scene_io.load("edge")
-    plan = pipeline.make_plan([file], {"embree": ["uniform:n=1"]}, seeds=JOBS)
+    plan = jobs.make_plan([file], {"embree": ["uniform:n=1"]}, seeds=JOBS)
     pixels = {("edge", "box"): references.make(file.scene, file.scene.view.size).pixels}
     with (
         tempfile.TemporaryDirectory() as folder,

@@ -371,6 +371,13 @@ static void all_that_a_scene_can_ask_for(void **state) {
   tracer *made = NULL;
   assert_int_equal(tracer_create(&scene, &made, NULL), ASC_OK);
   assert_int_equal(tracer_dimensions(made), 2 + 1 + 2 + 3 * 2);
+  const uint32_t sizes[] = {2, 1, 2, 2, 2, 2};
+  uint32_t groups[6];
+  size_t count;
+  tracer_groups(made, NULL, &count);
+  assert_int_equal(count, 6);
+  tracer_groups(made, groups, &count);
+  assert_memory_equal(groups, sizes, sizeof sizes);
   const asc_sampler_desc few = {
       .struct_size = sizeof few, .spec = "sobol:scramble=owen", .samples = 5, .dimensions = 10};
   asc_sampler_desc enough = few;

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from aliascope import api, image, pipeline, plan, references, renderers, scene_io
+from aliascope import api, image, jobs, plan, references, renderers, scene_io
 from aliascope.errors import SpecError, Unsupported
 from aliascope.records import Rendering
 
@@ -110,7 +110,7 @@ def test_a_lit_scene_counts_its_shadow_rays() -> None:
 def test_what_cannot_be_is_an_empty_cell(mode: str, reason: str) -> None:
     with pytest.raises(Unsupported, match=reason):
         render(mode)
-    found = pipeline.make_plan([scene_io.load("edge")], {"embree": [mode]}, 1)
+    found = jobs.make_plan([scene_io.load("edge")], {"embree": [mode]}, 1)
     assert not found.jobs
     assert reason in found.empty[0].reason
 

@@ -79,14 +79,21 @@ def test_where_the_pixels_are_has_its_sign() -> None:
 # --- in a comparison --------------------------------------------------------------------------------------------------
 
 
+class Done:
+    """A task that is done when its result is asked for."""
+
+    def __init__(self, result: Callable[[], Any]) -> None:
+        self.result = result
+
+
 class Here:
     """Does the tasks in this process, and counts them."""
 
     begun = 0
 
-    def begin(self, task: Callable[..., Any], arguments: list[Any], time_limit: float) -> Callable[[], Any]:
+    def begin(self, task: Callable[..., Any], arguments: list[Any], time_limit: float) -> Done:
         self.begun += 1
-        return lambda: task(*arguments)
+        return Done(lambda: task(*arguments))
 
 
 def outcome_of(renderer: str, status: str) -> Outcome:
@@ -115,7 +122,7 @@ def test_those_that_drew_are_probed_once_and_what_does_not_hold_is_first(
     monkeypatch.setattr(renderers, "RENDERERS", every)
     monkeypatch.setattr(renderers, "find", every.__getitem__)
     digest = ["1"]
-    monkeypatch.setattr(probes.pipeline, "code_digest", lambda name, mode: digest[0])
+    monkeypatch.setattr(probes.jobs, "code_digest", lambda name, mode: digest[0])
     done = [outcome_of(name, "done") for name in ("fourth", "broken", "off")]
     outcomes = [*done, outcome_of("fourth", "failed"), outcome_of("idle", "failed")]
     told: list[object] = []

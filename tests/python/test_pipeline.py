@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import ast
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any, cast
 
+import numpy as np
 import pytest
 
 import aliascope
-from aliascope import pipeline, renderers, scene_io, workers
+from aliascope import jobs, pipeline, renderers, scene_io, workers
 from aliascope.errors import JobFailed
+from aliascope.metrics.base import Measured
+from aliascope.pipeline import Timed
+from aliascope.records import Cost, Rendering
 from aliascope.renderers.base import Request
+from aliascope.store import Store
 
 PACKAGE = Path(aliascope.__file__).parent
 HARMLESS = {"errors.py", "records.py"}
@@ -40,7 +47,7 @@ def test_the_code_of_a_renderer_is_all_that_it_imports(name: str) -> None:
             seen.add(path)
             waiting += imported(path)
     assert len(seen) > 5
-    code = set(pipeline.code_of(name, True))
+    code = set(jobs.code_of(name, True))
     assert {path.name for path in seen - code} <= HARMLESS
     # What changes a scene after its digest was taken from the file: the triangles of its meshes.
     assert PACKAGE / "meshes.py" in code
@@ -56,7 +63,7 @@ def test_the_rasteriser_takes_nothing_from_the_samplers() -> None:
 def test_pictures_do_not_depend_on_the_code_of_another_renderer() -> None:
     def names(renderer: str, mode: str) -> set[str]:
         with_samplers = any(key.kind == "spec" for key in renderers.mode_of(renderers.find(renderer), mode).form.keys)
-        return {path.name for path in pipeline.code_of(renderer, with_samplers)}
+        return {path.name for path in jobs.code_of(renderer, with_samplers)}
 
     embree, povray, osmesa = names("embree", "uniform"), names("povray", "am1"), names("osmesa", "msaa")
     assert {"embree.py", "tracer.py", "libaliascope-tracer.so", "libaliascope.so"} <= embree
@@ -67,8 +74,68 @@ def test_pictures_do_not_depend_on_the_code_of_another_renderer() -> None:
     assert not osmesa & {"libaliascope.so", "libaliascope-tracer.so", "tracer.py"}
     assert "libaliascope.so" in names("osmesa", "accumulate") & names("povray", "accumulate")
     modes = (("embree", "uniform"), ("povray", "am1"), ("povray", "accumulate"), ("osmesa", "msaa"))
-    found = {pipeline.code_digest(name, renderers.mode_of(renderers.find(name), mode)) for name, mode in modes}
+    found = {jobs.code_digest(name, renderers.mode_of(renderers.find(name), mode)) for name, mode in modes}
     assert len(found) == len(modes)
+
+
+class Slow:
+    """Workers whose tasks are not done when they are asked first, and what ran beside what."""
+
+    def __init__(self) -> None:
+        self.abreast: list[tuple[str, float, int]] = []
+        """Of each job as it begins: renderer, least seconds, how many run with it."""
+        self.running: list[object] = []
+
+    def begin(self, task: object, arguments: Sequence[Any], time_limit: float) -> Running:
+        _, job, options = arguments
+        begun = Running(self)
+        self.abreast.append((job.renderer, options.least_seconds, len(self.running)))
+        return begun
+
+
+class Running:
+    def __init__(self, among: Slow) -> None:
+        self.asked, self.among = 0, among
+        among.running.append(self)
+
+    def done(self) -> bool:
+        self.asked += 1
+        return self.asked > 1
+
+    def result(self) -> Timed:
+        self.among.running.remove(self)
+        cost = Cost(samples=1, samples_per_pixel=1.0, rays={}, cpu_seconds=0.0, wall_seconds=0.0, repeats=1)
+        return Timed(Rendering(np.zeros((9, 12, 3), np.float32), cost), 0.0)
+
+
+def test_timed_jobs_run_alone_those_that_idle_side_by_side_and_nothing_is_measured_beside_the_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, slow = scene_io.load("edge"), Slow()
+    beside: list[int] = []
+    monkeypatch.setattr(pipeline.metrics, "METRICS", {"rmse": None})
+    monkeypatch.setattr(
+        pipeline.metrics, "measure", lambda *_: beside.append(len(slow.running)) or {"rmse": Measured(0.0)}
+    )
+    modes = {"povray": [f"regular:n={side * side}" for side in range(2, 8)], "embree": ["uniform:n=1,sampler=random"]}
+    plan = jobs.make_plan([file], modes, seeds=4, size=(12, 9))
+    with Store(tmp_path / "results.sqlite") as store:
+        store.begin_run("", "", "", {}, {})
+        judged = {("edge", "box"): np.zeros((9, 12, 3), np.float32)}
+        options = pipeline.Options(least_seconds=0.2)
+        outcomes, reused = pipeline.execute(
+            plan, tmp_path, store, judged, options, lambda *_: None, cast(workers.Workers, slow)
+        )
+        kept = store.done(outcomes)
+    assert reused == 0
+    assert {name: [at for each, _, at in slow.abreast if each == name] for name in modes} == {
+        "embree": [1, 1, 1, 1],
+        "povray": [1, 2, 3, 4, 4, 4],
+    }
+    assert {(name, seconds) for name, seconds, _ in slow.abreast} == {("embree", 0.05), ("povray", 0.2)}
+    assert len(beside) == len(plan.jobs) == len(kept)
+    assert beside[:2] == [4, 4]  # those of Embree, while POV-Ray's are on their way
+    assert all(set(outcome.metrics) == {"rmse"} for outcome in kept.values())
 
 
 def test_a_process_is_ended_not_long_after_its_time_limit() -> None:

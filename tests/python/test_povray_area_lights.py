@@ -6,12 +6,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from povray_scenes import Array, mode, render, scene_of
+from povray_scenes import Array, render, scene_of
 from scipy import integrate
 
 from aliascope.model import Scene
-from aliascope.renderers.base import lacks
-from aliascope.renderers.povray import RENDERER
 
 HALF_STEP = 0.5 / 65535.0 + 2.0**-24
 LIGHT = {
@@ -108,11 +106,3 @@ def test_adaptive_points_are_fewer_and_jitter_repeats_itself() -> None:
     np.testing.assert_array_equal(first, again)
     assert np.abs(first - plain).max() > 1e-3
     np.testing.assert_allclose(first, exact, rtol=0, atol=0.9 * 0.8 / 16)  # points move by a cell at most
-
-
-def test_lights_that_povray_does_not_have_are_empty_cells() -> None:
-    assert lacks(RENDERER, lit(True), mode("am1")) is None
-    assert "cosine" in (lacks(RENDERER, lit(True, falloff="inverse-square"), mode("none")) or "")
-    disc = {"type": "disc", "centre": (0, 0, 9), "normal": (0, 0, -1), "radius": 1.0, "intensity": (1, 1, 1)}
-    scene = Scene.model_validate({**lit(False).model_dump(), "lights": [disc]})
-    assert "disc light" in (lacks(RENDERER, scene, mode("none")) or "")

@@ -276,6 +276,7 @@ def test_every_kind_of_surface_is_where_its_motion_takes_it(monkeypatch: pytest.
     mesh = np.array([[(-3.0, -3.0, 1.0), (-1.0, -3.0, 1.0), (-2.0, -1.5, 1.0)]])
     turn = {"type": "rotate", "axis": (0.1, 0.2, 1.0), "centre": (0.5, 0.5, 0), "degrees": 70.0}
     go = {"type": "translate", "by": (1.5, -2.0, 0.5)}
+    bends = {"type": "frames", "files": ("b.ply", "c.ply")}
     corners = [(-5, 1, 0), (-2, 1, 0), (-2, 5, 0), (-5, 4, 0)]
     scene = scene_of(
         [
@@ -295,6 +296,7 @@ def test_every_kind_of_surface_is_where_its_motion_takes_it(monkeypatch: pytest.
     shapes = (
         LoadedMesh(material="b", sha256="", triangles=mesh),
         LoadedMesh(material="c", sha256="", triangles=mesh + 2.5, motion=go),
+        LoadedMesh(material="a", sha256="", triangles=mesh - 1.5, motion=bends, frames=np.stack([mesh, 1.3 * mesh])),
     )
     camera = scene.camera.model_copy(update={"shutter": (0.0, 1.0)})
     scene = scene.model_copy(update={"surfaces": scene.surfaces + shapes, "camera": camera})

@@ -10,28 +10,29 @@ import numpy as np
 import pytest
 from reference_scenes import box, scene, stored
 
+from aliascope import agreement
 from aliascope.errors import CheckFailed, SpecError, Unsupported
 from aliascope.image import read_header, read_image, write_exr
 from aliascope.records import Pixels
-from aliascope.references import Ambiguous, Plan, agreement, converged, files, make
+from aliascope.references import Ambiguous, Plan, converged, files, make
 
 SIZE = (32, 24)
 PLAN = Plan(samples=144, replicates=16, threads=2)
 CHECK = Plan(samples=144, replicates=16, sampler="jittered", first_seed=1 << 41, threads=2)
 
 
-def estimate(name: str, filter_: str, plan: Plan) -> tuple[converged.Estimate, np.ndarray]:
+def estimate(name: str, filter_: str, plan: Plan) -> tuple[agreement.Estimate, np.ndarray]:
     return converged.estimate(converged.renderer(stored(name), SIZE, filter_, plan), plan)
 
 
-@pytest.mark.parametrize("name", ["edge", "discs", "zone-plate", "siemens-star", "checker-horizon"])
+@pytest.mark.parametrize("name", ["edge", "discs", "zone-plate", "siemens-star", "checker-horizon", "depth-of-field"])
 def test_exact_references_are_the_limit(name: str) -> None:
     exact = make(stored(name), SIZE).exact
     found, pictures = estimate(name, "box", PLAN)
     # What n samples all miss, or all but a few meet, is smaller than 20 / n of the pixel: exp(-20) otherwise.
     chance = 20 / found.samples
     assert np.all(np.abs(exact - found.mean) <= 9 * found.standard_error + chance)  # 2e-7 of Student's, 15 degrees
-    blocks, replicates = agreement._blocks(exact), agreement._blocks(pictures)
+    blocks, replicates = agreement.blocks(exact), agreement.blocks(pictures)
     error = replicates.std(axis=0, ddof=1) / 4
     assert np.all(np.abs(blocks - replicates.mean(axis=0)) <= 7 * error + chance / 64)
     whole = pictures.mean(axis=(1, 2))
@@ -68,10 +69,10 @@ def test_the_check_is_wrong_as_seldom_as_it_says() -> None:
     assert wrong < 4
 
 
-def normal_estimate(rng: np.random.Generator, spread: np.ndarray, many: int) -> converged.Estimate:
+def normal_estimate(rng: np.random.Generator, spread: np.ndarray, many: int) -> agreement.Estimate:
     pictures = 0.5 + spread * rng.standard_normal((many, *spread.shape[1:]))
     mean, error = pictures.mean(axis=0), pictures.std(axis=0, ddof=1) / np.sqrt(many)
-    return converged.Estimate(mean, error, many, many)
+    return agreement.Estimate(mean, error, many, many)
 
 
 def one_value(by: float) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:

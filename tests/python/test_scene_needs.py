@@ -123,6 +123,24 @@ def test_under_a_shutter_that_is_an_instant_surfaces_stand_where_they_are_then(t
             "scene.toml:13: camera.focus_distance: must be greater than 0",
         ),
         ("focus_distance = 4.0\n", "", "lens_radius and focus_distance come together"),
+        ("lens_radius = 0.05", "lens_radius = nan", "scene.toml:12: camera.lens_radius: "),
+        ("lens_radius = 0.05", "lens_radius = inf", "scene.toml:12: camera.lens_radius: must be at most 1e+30"),
+        ("focus_distance = 4.0", "focus_distance = -4.0", "scene.toml:13: camera.focus_distance: must be greater"),
+        ("focus_distance = 4.0", "focus_distance = nan", "scene.toml:13: camera.focus_distance: Input should be"),
+        ("focus_distance = 4.0", "focus_distance = inf", "scene.toml:13: camera.focus_distance: Input should be"),
+        ("focus_distance = 4.0", "focus_distance = 1e31", "scene.toml:13: camera.focus_distance: must be at most"),
+        ("focus_distance = 4.0", "focus_distance = 4.0\nblades = 2", "scene.toml:7: camera: a lens has 3 blades"),
+        ("focus_distance = 4.0", "focus_distance = 4.0\nblades = 65", "scene.toml:14: camera.blades: must be at most"),
+        ("shutter = [0.25, 0.75]", "shutter = [0.25, nan]", "scene.toml:14: camera.shutter: Input should be a finite"),
+        ("shutter = [0.25, 0.75]", "shutter = [-inf, 0.75]", "scene.toml:14: camera.shutter: Input should be a finite"),
+        ("shutter = [0.25, 0.75]", "shutter = [0.25, 1.5]", "scene.toml:7: camera: shutter is [open, close] with 0"),
+        ("by = [1.0, 2.0, 4.0]", "by = [1.0, nan, 4.0]", "scene.toml:28: surfaces.motion.by: Input should be a finite"),
+        ("by = [1.0, 2.0, 4.0]", "by = [1.0, 2e30, 4.0]", "scene.toml:28: surfaces.motion.by: must be at most 1e+30"),
+        ("intensity = [1.0", "intensity = [inf", "scene.toml:39: lights.intensity: Input should be a finite number"),
+        ("intensity = [1.0", "intensity = [-1.0", "scene.toml:39: lights.intensity: must be at least 0"),
+        ("roughness = 0.2", "roughness = nan", "scene.toml:21: materials.steel.gloss.roughness: "),
+        ("reflection = [0.6", "reflection = [nan", "scene.toml:20: materials.steel.reflection: "),
+        ("reflection = [0.6", "reflection = [-0.1", "scene.toml:20: materials.steel.reflection: must be at least 0"),
         ("shutter = [0.25, 0.75]", "shutter = [0.75, 0.25]", "shutter is [open, close] with 0 <= open <= close <= 1"),
         ("shutter = [0.25, 0.75]", "shutter = [-0.5, 0.25]", "shutter is [open, close] with 0 <= open <= close <= 1"),
         ("edges = [[1.0, 0.0, 0.0]", "edges = [[0.0, 0.0, 2.0]", "scene.toml:35: lights: edges must span an area"),
@@ -142,6 +160,11 @@ def test_under_a_shutter_that_is_an_instant_surfaces_stand_where_they_are_then(t
         ),
         (
             '"translate", by = [1.0, 2.0, 4.0]',
+            '"rotate", axis = [0.0, 1e-200, 0.0], degrees = 9.0',
+            "axis must not be zero, nor shorter than 1e-100",
+        ),
+        (
+            '"translate", by = [1.0, 2.0, 4.0]',
             '"frames", files = ["a.ply"]',
             "scene.toml:28: surfaces.motion: only a mesh",
         ),
@@ -152,6 +175,40 @@ def test_what_cannot_be_is_refused(tmp_path: Path, old: str, new: str, expected:
         load(tmp_path, changed((old, new)))
     assert expected in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+LIGHTS_WITHOUT_AREA = [
+    (
+        'type = "disc"\ncentre = [0.0, 2.0, 0.0]\nnormal = [0.0, 1.0, 0.0]\nradius = 0.0',
+        39,
+        "lights.radius: must be greater",
+    ),
+    (
+        'type = "disc"\ncentre = [0.0, 2.0, 0.0]\nnormal = [0.0, 0.0, 0.0]\nradius = 1.0',
+        35,
+        "lights: normal must not be zero",
+    ),
+    ('type = "sphere"\ncentre = [0.0, 2.0, 0.0]\nradius = 0.0', 38, "lights.radius: must be greater than 0"),
+    ('type = "sphere"\ncentre = [0.0, 2.0, 0.0]\nradius = -1.0', 38, "lights.radius: must be greater than 0"),
+    ('type = "sphere"\ncentre = [0.0, 2.0, 0.0]\nradius = inf', 38, "lights.radius: Input should be a finite number"),
+    ('type = "sphere"\ncentre = [0.0, nan, 0.0]\nradius = 1.0', 37, "lights.centre: Input should be a finite number"),
+]
+
+
+@pytest.mark.parametrize(("light", "line", "expected"), LIGHTS_WITHOUT_AREA)
+def test_lights_that_cannot_be_are_refused(tmp_path: Path, light: str, line: int, expected: str) -> None:
+    area = 'type = "area"\ncorner = [0.0, 2.0, 0.0]\nedges = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]'
+    with pytest.raises(InvalidInput) as caught:
+        load(tmp_path, changed((area, light)))
+    assert f"scene.toml:{line}: {expected}" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_orthographic_camera_may_have_a_lens_of_radius_0_alone(tmp_path: Path) -> None:
+    flat = ('type = "perspective"', 'type = "orthographic"'), ("vertical_fov_degrees = 40.0", "height = 3.0")
+    with pytest.raises(InvalidInput, match=r"scene\.toml:7: camera: a lens is for a \"perspective\" camera"):
+        load(tmp_path, changed(*flat))
+    assert not load(tmp_path, changed(*flat, ("lens_radius = 0.05", "lens_radius = 0.0"))).needs().lens
 
 
 def test_a_rotation_is_right_handed_about_its_axis() -> None:

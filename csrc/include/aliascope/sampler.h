@@ -50,6 +50,60 @@ ASC_API asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range 
 /* Writes the weights of samples [first, first + count): those of a quadrature rule, else 1/N. */
 ASC_API asc_status asc_sampler_weights(const asc_sampler *sampler, uint64_t first, size_t count, double *weights);
 
+/* How the dimensions of a sample go together where they come in groups: the place in the pixel, the time, the point of
+ * the lens.
+ *
+ *   joint         one pattern of the sampler in all dimensions, as it lays them out itself.
+ *   padded        each group has a pattern of its own, and its samples are shuffled against the first group's: what a
+ *                 group has of stratification is kept, and no two groups have any together.
+ *   decorrelated  each group has a pattern of its own, given out so that samples near each other in the first group are
+ *                 far apart in the others: with k the rank of a sample along a Hilbert curve of the first group's
+ *                 plane, it has that point of the further group whose rank along such a curve is the radical inverse of
+ *                 k, the digits permuted and both ranks rotated at random. The g-th further group takes the g-th prime
+ *                 as its base, so that the place along the curve and all ranks are a Hammersley set; from the 25th on,
+ *                 groups are shuffled. N up to 2^14: the whole pattern of the pixel is needed.
+ *
+ * Shuffles and rotations depend on seed and pixel, also where the patterns do not. Where the patterns are unbiased, so
+ * is the arrangement: each point of a further group is as likely for each sample. */
+typedef enum asc_arrangement {
+  ASC_ARRANGEMENT_JOINT = 0,
+  ASC_ARRANGEMENT_PADDED = 1,
+  ASC_ARRANGEMENT_DECORRELATED = 2
+} asc_arrangement;
+
+/* What to make of a sampler. Zero means default, except for `spec` and `groups`. */
+typedef struct asc_arrangement_desc {
+  size_t struct_size; /* sizeof(asc_arrangement_desc) */
+  const char *spec;
+  uint64_t samples; /* N; 0: 1 */
+  uint64_t seed;
+  const uint32_t *groups; /* the dimensions of each group, positive; read during the call */
+  size_t group_count;     /* at least 1 */
+  asc_arrangement arrangement;
+  /* 1: a sampler that is a sequence stays one when it is padded, as estimators need that decide on the way. It is then
+   * shuffled within its samples 2^m to 2^(m+1) - 1, for each m, by nested scrambling of the index (Owen 1995; Burley
+   * 2020, "Practical hash-based Owen scrambling"), which keeps blocks of 2^j samples together, and it ends at 2^32. 0:
+   * all N samples are shuffled, each permutation alike. */
+  uint32_t sequential;
+} asc_arrangement_desc;
+
+/* Makes a sampler whose dimensions are those of all groups in their order. Its first group has the points that the
+ * sampler alone has with this seed, the others those of seeds that are made of it. A group of one dimension has the
+ * sampler's one-dimensional pattern, or the first dimension of its planar one where it has none.
+ *
+ * A sampler that has no pattern for the first group but one in the three dimensions of the first two together, as
+ * patterns of space and time do, drives these two as one. Where it has none for a further group that group is
+ * `jittered`, as those patterns are in each of their own.
+ *
+ * ASC_UNSUPPORTED where the sampler lacks a pattern that is needed (in a joint arrangement the message says so where
+ * padding would do), and to arrange a quadrature rule, whose weights are those of all its dimensions; otherwise as
+ * asc_sampler_create. */
+ASC_API asc_status asc_sampler_arrange(const asc_arrangement_desc *desc, asc_sampler **sampler, asc_error *error);
+
+/* The resolved desc of an arranged sampler, its strings and arrays living as long as the sampler. One that is joint, or
+ * has but one group, or was not arranged at all, says so: joint, one group, `groups` NULL. */
+ASC_API asc_status asc_sampler_arranged(const asc_sampler *sampler, asc_arrangement_desc *desc);
+
 typedef enum asc_parameter_kind { ASC_INTEGER = 0, ASC_REAL = 1, ASC_CHOICE = 2 } asc_parameter_kind;
 
 /* One key of a spec. Values are passed to `create` as double: a choice as the index of its word. */

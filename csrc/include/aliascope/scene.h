@@ -100,7 +100,10 @@ typedef struct asc_plane {
 
 typedef enum asc_motion_kind {
   ASC_MOTION_TRANSLATE = 0, /* by time * by */
-  ASC_MOTION_ROTATE = 1     /* right-handed about the axis through the centre, by time * angle */
+  ASC_MOTION_ROTATE = 1,    /* right-handed about the axis through the centre, by time * angle */
+  /* Of triangles alone, whose corners go along straight lines from `vertices` at time 0 through frames, 1 / frame_count
+   * apart in time. The shutter is open within [0, 1]. A pattern rides by the barycentric coordinates of its point. */
+  ASC_MOTION_FRAMES = 2
 } asc_motion_kind;
 
 /* Takes a surface from its place at time 0, which is the one that its numbers state, to that at another. Patterns ride
@@ -110,6 +113,9 @@ typedef struct asc_motion {
   double by[3];
   double axis[3], centre[3]; /* axis of any length but 0 */
   double angle;              /* radians in a unit of time; the tracer draws at most 2 pi in the open shutter */
+  const double *frames;      /* [frame_count][frame_triangles][3][3]: the triangles that name this motion, in order */
+  size_t frame_count;        /* the tracer draws at most 128 */
+  size_t frame_triangles;
 } asc_motion;
 
 typedef enum asc_light_kind {

@@ -1,4 +1,4 @@
-"""The command compare."""
+"""The commands that set renderers side by side: compare and agree."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import typer
 
 from aliascope.cli.shared import Json, Size, app, print_json, size_of
 from aliascope.errors import InvalidInput
+from aliascope.native.samplers import ARRANGEMENTS
 
 
 @app.command(epilog="Example: aliascope compare edge discs -r embree -r povray --profile quick -o results")
@@ -27,6 +28,10 @@ def compare(
     processes: Annotated[
         int, typer.Option("-j", min=1, max=64, help="Jobs side by side; more than 1 inflates their times.")
     ] = 1,
+    dimensions: Annotated[
+        list[str] | None,
+        typer.Option(metavar="|".join(ARRANGEMENTS), help="Of modes that do not say; may stand several times."),
+    ] = None,
     size: Size = None,
     time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that one job may take.")] = 120.0,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be rendered, and end.")] = False,
@@ -41,7 +46,7 @@ def compare(
 
     if resume and not (out / "results.sqlite").is_file():
         raise InvalidInput(f"{out}: has no results to resume; leave --resume out to begin")
-    plan = selection.plan_of(scenes or [], renderer or [], mode or [], profile, size_of(size))
+    plan = selection.plan_of(scenes or [], renderer or [], mode or [], profile, size_of(size), dimensions or [])
     if dry_run:
         _dry_run(plan, as_json)
         return
@@ -62,6 +67,56 @@ def compare(
             typer.echo(line)
     if summary["failed"]:
         raise typer.Exit(4)
+
+
+@app.command(epilog="Example: aliascope agree spheres edge -r embree -r povray -o agreement")
+def agree(
+    scenes: Annotated[
+        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, TOML files.")
+    ] = None,
+    renderer: Annotated[list[str] | None, typer.Option("-r", help="Renderer; may stand several times.")] = None,
+    size: Annotated[str, typer.Option("--size", metavar="WxH", help="Pixels of the pictures.")] = "64x48",
+    samples: Annotated[
+        int,
+        typer.Option(min=2, max=4096, help="Of a pixel in each picture of POV-Ray; the others take 8 times as many."),
+    ] = 32,
+    replicates: Annotated[int, typer.Option(min=4, max=1024, help="Pictures of each renderer, other seeds each.")] = 16,
+    seed: Annotated[int, typer.Option(min=0, max=2**19, help="Of the random numbers.")] = 0,
+    processes: Annotated[int, typer.Option("-j", min=1, max=64, help="Pictures side by side; POV-Ray's wait.")] = 8,
+    time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that one picture may take.")] = 600.0,
+    out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="report.html and results.json there.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Test whether the renderers' converged pictures of each scene agree: pixels, blocks, whole pictures, known flaws.
+
+    Ends with exit code 1 where two differ by more than their standard errors, what is known of their output, and
+    chance in all tests of the run. It says what it would have found: the least gain, offset, shift and blur.
+    """
+    from aliascope.studies import agree as study
+    from aliascope.studies import agree_text
+    from aliascope.studies.progress import progress_bar
+
+    pixels = size_of(size)
+    assert pixels is not None
+    asked = study.Asked(
+        tuple(scenes or ()), tuple(renderer or ()), pixels, samples, replicates, seed, processes, time_limit
+    )
+    with progress_bar() as tell:
+        answer = study.answer(asked, tell)
+    page = None
+    if out is not None:
+        from aliascope.studies.agree_page import write
+
+        page = write(out, answer)
+    if as_json:
+        print_json(agree_text.document(answer))
+    else:
+        for line in agree_text.lines(answer):
+            typer.echo(line)
+        if page is not None:
+            typer.echo(str(page))
+    if not answer.holds:
+        raise typer.Exit(1)
 
 
 def _dry_run(plan: Any, as_json: bool) -> None:

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from aliascope.cli.shared import Json, Seed, Size, app, print_json, size_of
+from aliascope.native.samplers import ARRANGEMENTS
 
 
 @app.command(
@@ -22,6 +23,14 @@ def render(
     seed: Seed = 0,
     size: Size = None,
     threads: Annotated[int, typer.Option(min=1, max=256)] = 1,
+    dimensions: Annotated[
+        str | None,
+        typer.Option(
+            metavar="|".join(ARRANGEMENTS),
+            help="How pixel, time, lens and lights go together, where the mode does not say: one pattern in all their "
+            "dimensions; one each, shuffled against each other; one each, near in the pixel and far in the others.",
+        ),
+    ] = None,
     counts: Annotated[
         Path | None,
         typer.Option(metavar="COUNTS.exr", help="Of an adaptive mode: the samples of each pixel, in one channel."),
@@ -32,7 +41,7 @@ def render(
     """Render one scene with one renderer and mode, and say what it cost."""
     from aliascope.studies.single import render_file
 
-    summary = render_file(scene, renderer, mode, out, seed, size_of(size), threads, time_limit, counts)
+    summary = render_file(scene, renderer, mode, out, seed, size_of(size), threads, time_limit, counts, dimensions)
     if as_json:
         print_json(summary)
     else:

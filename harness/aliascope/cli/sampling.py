@@ -11,6 +11,7 @@ import typer
 
 from aliascope.cli.shared import Json, Seed, app, print_json
 from aliascope.errors import InvalidInput
+from aliascope.native.samplers import ARRANGEMENTS
 
 Source = Annotated[
     str,
@@ -22,7 +23,8 @@ Source = Annotated[
     ),
 ]
 Count = Annotated[int | None, typer.Option("-n", min=1, max=2**53, help="How many points.")]
-Dimensions = Annotated[int | None, typer.Option("-d", min=1, max=65536, help="Dimensions of the pattern, 2.")]
+MOST_DIMENSIONS = 65536
+Dimensions = Annotated[int | None, typer.Option("-d", min=1, max=MOST_DIMENSIONS, help="Dimensions of the pattern, 2.")]
 
 
 @app.command(epilog="Example: aliascope points sobol:scramble=owen -n 64 --spectrum -o spectrum.svg")
@@ -43,6 +45,12 @@ def points(
     dimensions: Annotated[
         str | None, typer.Option(metavar="A,B", help="Which; for statistics and spectrum 0,1 if not said.")
     ] = None,
+    groups: Annotated[
+        str | None, typer.Option(metavar="A,B,...", help="Dimensions that go together: 2,1 for pixel and time.")
+    ] = None,
+    arrangement: Annotated[
+        str, typer.Option(metavar="|".join(ARRANGEMENTS), help="Of --groups; see aliascope render --dimensions.")
+    ] = "joint",
     realisations: Annotated[
         int | None,
         typer.Option(min=1, max=10000, help="Seeds to average: 1, of a spectrum 10 if the pattern is randomised."),
@@ -66,7 +74,8 @@ def points(
 
     asked = study.Asked(weights, statistics, spectrum, dimensions, realisations, cut_off, base, out)
     asked.check()
-    source = open_source(sampler, n, d, seed, _pixel(pixel), first)
+    sizes = _groups(groups, arrangement)
+    source = open_source(sampler, n, d, seed, _pixel(pixel), first, sizes, arrangement)
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # a reader that has enough, as `| head`, ends us without a word
     found = study.answer(asked, source)
     if out is not None:
@@ -76,6 +85,20 @@ def points(
     elif out is None:
         for text in found.texts():
             sys.stdout.write(text)
+
+
+def _groups(text: str | None, arrangement: str) -> tuple[int, ...] | None:
+    if text is None:
+        if arrangement != "joint":
+            raise InvalidInput(f"--arrangement {arrangement} needs --groups: which dimensions go together")
+        return None
+    try:
+        sizes = tuple(int(part) for part in text.split(","))
+    except ValueError:
+        raise InvalidInput(f'--groups "{text}" is not of the form A,B,...') from None
+    if not all(size > 0 for size in sizes) or sum(sizes) > MOST_DIMENSIONS:
+        raise InvalidInput(f"--groups {text}: each has a dimension or more, all together {MOST_DIMENSIONS} at most")
+    return sizes
 
 
 def _pixel(text: str) -> tuple[int, int]:

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from aliascope.errors import InvalidInput, Unsupported
 from aliascope.native.loading import check, error_box, keys, module, text
-from aliascope.native.samplers import Sampler
+from aliascope.native.samplers import Dimensions, Sampler
 
 Array = NDArray[np.float64]
 Integrand = Callable[[Array], ArrayLike]
@@ -203,7 +203,8 @@ def _callback() -> Any:
 
 
 class Estimator:
-    """An immutable estimator. sampler: the spec of its sampler; samples: N, the most that a pixel gets.
+    """An immutable estimator. sampler: the spec of its sampler; samples: N, the most that a pixel gets; dimensions and
+    arrangement: as a Sampler has them.
 
     Raises SpecError for an unknown name, key or value, Unsupported for a sampler that it cannot use.
     """
@@ -213,12 +214,13 @@ class Estimator:
         spec: str,
         sampler: str = "random",
         samples: int = 1024,
-        dimensions: int = 2,
+        dimensions: Dimensions = 2,
         channels: int = 1,
         seed: int = 0,
+        arrangement: str = "joint",
     ) -> None:
         library = self._library = _library()
-        self.sampler = Sampler(sampler, samples, dimensions, seed)
+        self.sampler = Sampler(sampler, samples, dimensions, seed, arrangement, sequential=True)
         self.channels = channels
         encoded, desc = library.ffi.new("char[]", spec.encode()), library.ffi.new("asc_estimator_desc *")
         desc.struct_size = library.ffi.sizeof("asc_estimator_desc")
@@ -274,10 +276,17 @@ def canonical(spec: str) -> str:
     return text(library, made)
 
 
-def refusal(spec: str, sampler: str, samples: int, dimensions: int = 2, channels: int = 1) -> str | None:
+def refusal(
+    spec: str,
+    sampler: str,
+    samples: int,
+    dimensions: Dimensions = 2,
+    channels: int = 1,
+    arrangement: str = "joint",
+) -> str | None:
     """Why an estimator cannot use this sampler, or None. Raises SpecError for values that do not go together."""
     try:
-        Estimator(spec, sampler, samples, dimensions, channels)
+        Estimator(spec, sampler, samples, dimensions, channels, arrangement=arrangement)
     except Unsupported as error:
         return str(error)
     return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aliascope.errors import Unsupported
+from aliascope.errors import SpecError, Unsupported, near_misses
 from aliascope.native.loading import check, error_box, keys, module, text
 
 
@@ -18,23 +19,48 @@ def _library() -> Any:
     return module("_sampler", "the library libaliascope")
 
 
+Dimensions = int | Sequence[int]
+"""How many, or the sizes of the groups that they come in: (2, 1, 2) for the pixel, the time and the lens."""
+
+ARRANGEMENTS = ("joint", "padded", "decorrelated")
+"""How groups of dimensions go together; sampler.h, asc_arrangement, says what each is."""
+
+
 class Sampler:
     """An immutable sampler of the C library.
 
-    spec: "name:key=value,..."; samples: N, the points of one pixel; dimensions; seed: 0 to 2^64 - 1.
+    spec: "name:key=value,..."; samples: N, the points of one pixel; dimensions: how many, or in which groups; seed: 0
+    to 2^64 - 1; arrangement: of the groups. sequential: a sequence stays one when it is padded.
     Raises SpecError for an unknown name, key or value, Unsupported for a count that the pattern cannot have.
     """
 
-    def __init__(self, spec: str, samples: int = 1, dimensions: int = 2, seed: int = 0) -> None:
+    def __init__(
+        self,
+        spec: str,
+        samples: int = 1,
+        dimensions: Dimensions = 2,
+        seed: int = 0,
+        arrangement: str = "joint",
+        *,
+        sequential: bool = False,
+    ) -> None:
         library = _library()
         encoded = library.ffi.new("char[]", spec.encode())
-        desc = library.ffi.new("asc_sampler_desc *")
-        desc.struct_size = library.ffi.sizeof("asc_sampler_desc")
-        desc.spec, desc.samples, desc.dimensions, desc.seed = encoded, samples, dimensions, seed
+        groups = (dimensions,) if isinstance(dimensions, int) else tuple(dimensions)
+        if arrangement not in ARRANGEMENTS:
+            raise SpecError(
+                f'unknown arrangement of dimensions "{arrangement}"{near_misses(arrangement, ARRANGEMENTS)}'
+            )
+        sizes = library.ffi.new("uint32_t[]", groups)
+        desc = library.ffi.new("asc_arrangement_desc *")
+        desc.struct_size = library.ffi.sizeof("asc_arrangement_desc")
+        desc.spec, desc.samples, desc.seed, desc.sequential = encoded, samples, seed, sequential
+        desc.groups, desc.group_count = sizes, len(groups)
+        desc.arrangement = getattr(library.lib, f"ASC_ARRANGEMENT_{arrangement.upper()}")
         out, box = library.ffi.new("asc_sampler **"), error_box(library.ffi)
-        check(library, library.lib.asc_sampler_create(desc, out, box), box)
+        check(library, library.lib.asc_sampler_arrange(desc, out, box), box)
         self.handle = library.ffi.gc(out[0], library.lib.asc_sampler_destroy)
-        self.dimensions = dimensions
+        self.dimensions = sum(groups)
         self._library = library
 
     def points(self, count: int, first: int = 0, pixel: tuple[int, int] = (0, 0)) -> NDArray[np.float64]:
@@ -85,12 +111,15 @@ def canonical(spec: str) -> str:
 def points(
     spec: str,
     n: int,
-    dimensions: int = 2,
+    dimensions: Dimensions = 2,
     seed: int = 0,
     pixel: tuple[int, int] = (0, 0),
     first: int = 0,
+    arrangement: str = "joint",
 ) -> NDArray[np.float64]:
     """n points of one pixel, (n, dimensions) float64 in [0, 1), those of index `first` to first + n - 1.
+
+    `dimensions`: how many, or the sizes of their groups, which the arrangement puts together.
 
     A pattern that is no sequence has N = n points, so for it `first` is 0. Raises SpecError; Unsupported for a count,
     dimension or index that the pattern does not have.
@@ -98,23 +127,23 @@ def points(
     >>> points("sobol", 4).tolist()
     [[0.0, 0.0], [0.5, 0.5], [0.25, 0.75], [0.75, 0.25]]
     """
-    return Sampler(spec, n, dimensions, seed).points(n, first, pixel)
+    return Sampler(spec, n, dimensions, seed, arrangement).points(n, first, pixel)
 
 
-def weights(spec: str, n: int, dimensions: int = 2) -> NDArray[np.float64]:
+def weights(spec: str, n: int, dimensions: Dimensions = 2, arrangement: str = "joint") -> NDArray[np.float64]:
     """The weights of n points, (n,) float64."""
-    return Sampler(spec, n, dimensions).weights(n)
+    return Sampler(spec, n, dimensions, arrangement=arrangement).weights(n)
 
 
-def randomised(spec: str, n: int, dimensions: int = 2) -> bool:
+def randomised(spec: str, n: int, dimensions: Dimensions = 2, arrangement: str = "joint") -> bool:
     """Whether this pattern depends on seed and pixel."""
-    return Sampler(spec, n, dimensions).randomised
+    return Sampler(spec, n, dimensions, arrangement=arrangement).randomised
 
 
-def refusal(spec: str, n: int, dimensions: int = 2) -> str | None:
+def refusal(spec: str, n: int, dimensions: Dimensions = 2, arrangement: str = "joint") -> str | None:
     """Why a pattern has no n points, or None."""
     try:
-        Sampler(spec, n, dimensions)
+        Sampler(spec, n, dimensions, arrangement=arrangement)
     except Unsupported as error:
         return str(error)
     return None

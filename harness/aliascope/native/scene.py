@@ -83,6 +83,12 @@ def _pack_motions(ffi: Any, packed: Any, scene: Scene, surfaces: Surfaces) -> li
     motions = ffi.new("asc_motion[]", [_motion(ffi, each) for each in surfaces.motions])
     packed.motions, packed.motion_count = motions, len(surfaces.motions)
     keep = [motions]
+    for target, frames in zip(motions, surfaces.frames, strict=True):
+        if frames is not None:
+            corners = np.ascontiguousarray(frames)
+            target.frames = ffi.from_buffer("double[]", corners)
+            target.frame_count, target.frame_triangles = corners.shape[:2]
+            keep.append(corners)
     for kind in ("triangle", "disc", "sphere", "plane"):
         of_kind = np.array(getattr(surfaces, f"{kind}_motion"), np.uint32)
         setattr(packed, f"{kind}_motion", ffi.from_buffer("uint32_t[]", of_kind))
@@ -93,7 +99,7 @@ def _pack_motions(ffi: Any, packed: Any, scene: Scene, surfaces: Surfaces) -> li
 def _motion(ffi: Any, given: Motion) -> dict[str, Any]:
     kinds = ffi.typeof("asc_motion_kind").relements
     if isinstance(given, Frames):
-        raise ValueError("a mesh of frames has no arrays")
+        return {"kind": kinds["ASC_MOTION_FRAMES"]}
     if isinstance(given, Rotate):
         angle = math.radians(given.degrees)
         return {"kind": kinds["ASC_MOTION_ROTATE"], "axis": given.axis, "centre": given.centre, "angle": angle}

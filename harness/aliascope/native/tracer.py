@@ -15,7 +15,7 @@ from aliascope.records import Counts, Pixels
 
 DRAWS = frozenset(
     {
-        *("orthographic", "perspective", "lens", "motion", "mirror", "gloss", "diffuse bounces"),
+        *("orthographic", "perspective", "lens", "motion", "mesh of frames", "mirror", "gloss", "diffuse bounces"),
         *("polygon", "mesh", "disc", "sphere", "plane"),
         *("zone-plate", "checker"),
         *("point light", "directional light", "area light", "disc light", "sphere light"),
@@ -66,16 +66,34 @@ class Tracer:
         """How many numbers a sample has; tracer.h says which."""
         return int(self._library.lib.tracer_dimensions(self._handle))
 
+    @property
+    def groups(self) -> tuple[int, ...]:
+        """How many of these numbers belong together, in their order."""
+        library = self._library
+        count = library.ffi.new("size_t *")
+        library.lib.tracer_groups(self._handle, library.ffi.NULL, count)
+        sizes = library.ffi.new("uint32_t[]", int(count[0]))
+        library.lib.tracer_groups(self._handle, sizes, count)
+        return tuple(sizes)
+
     def render(
-        self, sampler: str, samples: int, seed: int = 0, threads: int = 1, reconstruction: str = "box"
+        self,
+        sampler: str,
+        samples: int,
+        seed: int = 0,
+        threads: int = 1,
+        reconstruction: str = "box",
+        arrangement: str = "joint",
     ) -> tuple[Pixels, TracerCost]:
-        """The picture, (height, width, 3) float32 linear RGB, from `samples` points a pixel.
+        """The picture, (height, width, 3) float32 linear RGB, from `samples` points a pixel, whose groups of dimensions
+        are so arranged.
 
         `reconstruction` is the spec of a filter; where it reaches past the pixel, pixels beyond the border are sampled
         too. Raises SpecError; Unsupported for a sampler that has not that many points, or dimensions.
         """
         library, (width, height) = self._library, self._size
-        pattern, profile = samplers.Sampler(sampler, samples, self.dimensions, seed), filters.made(reconstruction)
+        pattern = samplers.Sampler(sampler, samples, self.groups, seed, arrangement)
+        profile = filters.made(reconstruction)
         desc = library.ffi.new("tracer_desc *")
         desc.struct_size, desc.threads = library.ffi.sizeof("tracer_desc"), threads
         desc.sampler = library.ffi.cast("asc_sampler *", pattern.handle)
@@ -87,14 +105,20 @@ class Tracer:
         return pixels, _cost(cost)
 
     def render_adaptive(
-        self, estimator: str, sampler: str, samples: int, seed: int = 0, threads: int = 1
+        self,
+        estimator: str,
+        sampler: str,
+        samples: int,
+        seed: int = 0,
+        threads: int = 1,
+        arrangement: str = "joint",
     ) -> tuple[Pixels, Counts, TracerCost]:
         """The picture, and the samples of each pixel, at most `samples`, that the estimator of this spec took.
 
         Raises SpecError, Unsupported for a sampler that the estimator cannot use.
         """
         library, (width, height) = self._library, self._size
-        made = estimate.Estimator(estimator, sampler, samples, self.dimensions, 3, seed)
+        made = estimate.Estimator(estimator, sampler, samples, self.groups, 3, seed, arrangement)
         desc = library.ffi.new("tracer_adaptive_desc *")
         desc.struct_size, desc.threads = library.ffi.sizeof("tracer_adaptive_desc"), threads
         desc.estimator = library.ffi.cast("asc_estimator *", made.handle)

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from aliascope.agreement import Estimate
 from aliascope.errors import Unsupported
 from aliascope.geometry import Array
 from aliascope.model import Scene
@@ -59,17 +60,6 @@ class Plan:
             "seeds": f"{self.first_seed} to {self.first_seed + self.replicates - 1}",
             "embree": tracer.embree_version(),
         }
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """Mean and standard error of the mean, (height, width, 3) float64, of `replicates` pictures, which have `samples`
-    a pixel in all."""
-
-    mean: Array
-    standard_error: Array
-    replicates: int
-    samples: int
 
 
 def renderer(scene: Scene, size: tuple[int, int], filter_: str, plan: Plan) -> Render:

@@ -16,13 +16,15 @@ import numpy as np
 import scipy
 import shapely
 
+from aliascope import agreement
+from aliascope.agreement import Estimate
 from aliascope.errors import CheckFailed, InvalidInput
 from aliascope.geometry import Array
 from aliascope.image import read_header, read_image, write_exr
 from aliascope.model import Scene
 from aliascope.records import Pixels
-from aliascope.references import agreement, converged, make
-from aliascope.references.converged import Estimate, Plan
+from aliascope.references import converged, make
+from aliascope.references.converged import Plan
 from aliascope.references.result import Reference
 
 CHECK = Plan(samples=576, replicates=32, sampler="jittered", first_seed=1 << 41)

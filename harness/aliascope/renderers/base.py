@@ -7,11 +7,22 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from aliascope.model import Scene
+from aliascope.native import samplers
 from aliascope.records import Rendering
-from aliascope.specs import Form, Spec
+from aliascope.specs import Form, Key, Spec
 
 LEAST_SECONDS = 0.1
 """A timed rendering is repeated until it has lasted this long; the repeats' mean is the cost of one picture."""
+
+DIMENSIONS = Key(
+    "dimensions",
+    "choice",
+    "joint",
+    "how pixel, time, lens and lights go together: joint, one pattern in all their dimensions; padded, one each, "
+    "shuffled against each other; decorrelated, one each, near in the pixel and far in the others",
+    choices=samplers.ARRANGEMENTS,
+)
+"""Of modes that take what a sample needs from one sampler; `aliascope render --dimensions` sets it."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +51,8 @@ class Renderer(Protocol):
     `probe_mode` is a mode that resolves a hundredth of a pixel, its pattern centred in the pixel; `single_mode` has one
     sample, at the pixel's centre. Neither is random. They draw polygons seen orthographically at least: `doctor` looks
     at those.
+    `idles`: its runs are asleep most of the time and state their own CPU time, so that several side by side leave each
+    other's time as it is.
     """
 
     name: str
@@ -49,6 +62,7 @@ class Renderer(Protocol):
     native: tuple[str, ...]
     probe_mode: str
     single_mode: str
+    idles: bool
 
     def versions(self) -> Mapping[str, str]:
         """The versions that a picture depends on. Raises NotAvailable where the renderer is not there."""

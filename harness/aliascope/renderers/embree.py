@@ -9,7 +9,7 @@ from aliascope.errors import JobFailed, SpecError, near_misses
 from aliascope.model import Scene
 from aliascope.native import estimate, filters, samplers, tracer
 from aliascope.records import Cost, Counts, Pixels, Rendering
-from aliascope.renderers.base import Request, filter_of
+from aliascope.renderers.base import DIMENSIONS, Request, filter_of
 from aliascope.specs import Form, Key, Spec
 
 UNIFORM = Form(
@@ -19,6 +19,7 @@ UNIFORM = Form(
         Key("n", "integer", 16, "samples a pixel", 1, 1 << 24, is_count=True),
         Key("sampler", "spec", "sobol:scramble=owen", "the pattern of a pixel", inner=samplers.canonical, named=True),
         Key("filter", "spec", "box", "the reconstruction filter", inner=filters.canonical),
+        DIMENSIONS,
     ),
 )
 
@@ -41,6 +42,7 @@ ADAPTIVE = Form(
         Key("method", "spec", "kajiya", f"{'|'.join(METHODS)}, with its keys", inner=_method, named=True),
         Key("sampler", "spec", "sobol:scramble=owen", "the sequence of a pixel", inner=samplers.canonical, named=True),
         Key("filter", "spec", "box", "the reconstruction filter: box", inner=filters.canonical),
+        DIMENSIONS,
     ),
 )
 
@@ -53,23 +55,28 @@ class Embree:
     draws = tracer.DRAWS
     probe_mode = "uniform:n=256,sampler=regular"
     single_mode = "uniform:n=1,sampler=regular"
+    idles = False
 
     def versions(self) -> Mapping[str, str]:
         return {"embree": tracer.embree_version()}
 
     def unable(self, scene: Scene, mode: Spec) -> str | None:
-        sampler, count, dimensions = mode.word("sampler"), mode.integer("n"), scene.needs().dimensions
-        reason = samplers.refusal(sampler, count, dimensions)
+        sampler, count, arrangement = mode.word("sampler"), mode.integer("n"), mode.word("dimensions")
+        groups = scene.needs().groups
+        reason = samplers.refusal(sampler, count, groups, arrangement)
         if reason or mode.name != ADAPTIVE.name:
             return reason
         if filter_of(mode) != "box":
             return f"adaptive modes have the box filter alone: {filter_of(mode)} would need every pixel's samples"
-        return estimate.refusal(mode.word("method"), sampler, count, dimensions, channels=3)
+        if arrangement == "decorrelated":
+            return "adaptive modes decide on the way: dimensions=decorrelated needs all samples of a pixel at once"
+        return estimate.refusal(mode.word("method"), sampler, count, groups, 3, arrangement)
 
     def seeded(self, mode: Spec) -> bool:
+        """Arranged groups are shuffled by the seed."""
         sampler, count = mode.word("sampler"), mode.integer("n")
         planar = samplers.refusal(sampler, count) is None  # patterns of space and time have three dimensions alone
-        return samplers.randomised(sampler, count, 2 if planar else 3)
+        return mode.word("dimensions") != "joint" or samplers.randomised(sampler, count, 2 if planar else 3)
 
     def render(self, request: Request) -> Rendering:
         """The time limit is looked at between repeats only."""
@@ -112,9 +119,10 @@ def _draw(built: tracer.Tracer, request: Request) -> tuple[Pixels, Counts | None
     """One picture, and the samples of its pixels where they differ."""
     mode = request.mode
     common = (mode.word("sampler"), mode.integer("n"), request.seed, request.threads)
+    arrangement = mode.word("dimensions")
     if mode.name == ADAPTIVE.name:
-        return built.render_adaptive(mode.word("method"), *common)
-    pixels, cost = built.render(*common, filter_of(mode))
+        return built.render_adaptive(mode.word("method"), *common, arrangement)
+    pixels, cost = built.render(*common, filter_of(mode), arrangement)
     return pixels, None, cost
 
 

@@ -118,6 +118,7 @@ class OSMesa:
     )
     probe_mode = "accumulate:n=256,sampler=regular"
     single_mode = "none"
+    idles = False
 
     def versions(self) -> Mapping[str, str]:
         renderer, version = raster.describe()

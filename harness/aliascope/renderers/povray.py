@@ -22,22 +22,23 @@ from aliascope.errors import InvalidInput, JobFailed, NotWritable, Unsupported
 from aliascope.geometry import Array
 from aliascope.image import read_image
 from aliascope.model import LARGEST_AREA, Scene
-from aliascope.motion import turns_a_checker
+from aliascope.motion import no_still
 from aliascope.records import Cost, Pixels, Rendering
 from aliascope.renderers.base import Request, lacks
-from aliascope.renderers.povray_frames import Frames, frames_of, moments, times_within
+from aliascope.renderers.povray_frames import Frames, frames_of, looked_at, moments
 from aliascope.renderers.povray_light import lighting_of
 from aliascope.renderers.povray_limits import out_of_reach
 from aliascope.renderers.povray_modes import (
     FORMS,
     antialiasing,
     grid_side,
+    processes,
     samples_per_pixel,
     seeded,
     too_long,
     unable_mode,
 )
-from aliascope.renderers.povray_process import Statistics, executable, read_statistics, run, version
+from aliascope.renderers.povray_process import Statistics, executable, read_statistics, run_all, version
 from aliascope.renderers.povray_sdl import moving_texts, scene_text
 from aliascope.specs import Form, Spec
 
@@ -67,7 +68,7 @@ class _Output:
 
 @dataclass(frozen=True)
 class _Job:
-    """One program run, but for its frames: the size is that of the canvas."""
+    """One program run, but for its frames: the size is that of the canvas. processes: runs at most that share them."""
 
     path: str
     folder: Path
@@ -75,6 +76,7 @@ class _Job:
     height: int
     options: tuple[str, ...]
     output: _Output
+    processes: int
 
 
 class PovRay:
@@ -89,12 +91,13 @@ class PovRay:
             *("orthographic", "perspective"),
             *("polygon", "mesh", "disc", "sphere", "plane"),
             *("zone-plate", "checker"),
-            *("point light", "directional light", "area light"),
-            *("lens", "motion", "mirror"),
+            *("point light", "directional light", "area light", "disc light", "sphere light"),
+            *("lens", "motion", "mesh of frames", "mirror"),
         }
     )
     probe_mode = "am1:depth=9,jitter=0,threshold=0"
     single_mode = "none"
+    idles = True
 
     def versions(self) -> Mapping[str, str]:
         """The version that the povray on the PATH states."""
@@ -105,13 +108,11 @@ class PovRay:
         reason = unable_mode(mode, scene) or too_long(scene, mode, Request.time_limit)
         if reason:
             return reason
-        if turns_a_checker(scene):
-            return "POV-Ray here draws frames of still scenes, and a checker that has turned is none"
-        times = times_within(scene)
-        peak = lighting_of(scene, times).peak
-        if not peak <= LARGEST_HALF:
-            return f"POV-Ray's pictures end at {LARGEST_HALF:g}, and this one may reach {peak:g}"
-        return next(filter(None, map(out_of_reach, moments(scene, times))), None)
+        if moving := no_still(scene):
+            return f"POV-Ray here draws frames of still scenes: {moving}"
+        frames = looked_at(scene)
+        peak = lighting_of(scene, frames).peak
+        return too_bright(peak) or next(filter(None, map(out_of_reach, moments(scene, frames.times))), None)
 
     def seeded(self, mode: Spec) -> bool:
         """Only for a randomised sampler of `accumulate`: POV-Ray's own jitter is a hash of the position."""
@@ -141,7 +142,7 @@ class PovRay:
                 *antialiasing(request.mode, output.exposure),
                 f"+WT{1 if frames.grid.jitter else request.threads}",
             )
-            job = _Job(path, folder, side * size[0], side * size[1], options, output)
+            job = _Job(path, folder, side * size[0], side * size[1], options, output, processes(request.scene, count))
             _write(folder, request, output.exposure, frames)
             statistics = _run(job, count, request.time_limit)
             pixels = _box_averaged(_weighted_mean(job, frames.weights), side, output.exposure)
@@ -155,6 +156,13 @@ class PovRay:
 
 
 RENDERER = PovRay()
+
+
+def too_bright(peak: float) -> str | None:
+    """Why no file of POV-Ray's holds a picture that may be so bright, or None."""
+    return (
+        None if peak <= LARGEST_HALF else f"POV-Ray's pictures end at {LARGEST_HALF:g}, and this one may reach {peak:g}"
+    )
 
 
 def _write(folder: Path, request: Request, exposure: float, frames: Frames) -> None:
@@ -182,8 +190,13 @@ def _check(renderer: PovRay, request: Request) -> None:
 
 
 def _output_for(scene: Scene, frames: Frames) -> _Output:
-    """PNG, which clips to [0, 1], so at an exposure; past LARGEST_EXPOSURE EXR, whose half floats have 11 bits."""
-    peak = lighting_of(scene, frames.times).peak
+    """PNG, which clips to [0, 1], so at an exposure; past LARGEST_EXPOSURE EXR, whose half floats have 11 bits.
+
+    Raises Unsupported where the frames come nearer to a light than those that were looked at before."""
+    peak = lighting_of(scene, frames).peak
+    reason = too_bright(peak)
+    if reason:
+        raise Unsupported(reason)
     exposure = 2.0 ** max(0, math.ceil(math.log2(peak))) if peak > 0.0 else 1.0
     if exposure <= LARGEST_EXPOSURE:
         return _Output("+FN16", "png", exposure, exposure / 65535.0)
@@ -191,8 +204,11 @@ def _output_for(scene: Scene, frames: Frames) -> _Output:
 
 
 def _run(job: _Job, frames: int, time_limit: float) -> list[Statistics]:
-    """Renders so many frames and returns what povray says of each; their files are those of `_names`."""
-    arguments = [
+    """Renders so many frames and returns what povray says of each; their files are those of `_names`.
+
+    Runs of povray side by side share them, as each sleeps for most of its time.
+    """
+    common = [
         "+Iscene.pov",
         f"+O{'picture' if frames == 1 else 'frame'}.{job.output.suffix}",
         job.output.option,
@@ -205,7 +221,11 @@ def _run(job: _Job, frames: int, time_limit: float) -> list[Statistics]:
         *job.options,
         *(("+KFI1", f"+KFF{frames}") if frames > 1 else ()),
     ]
-    statistics = read_statistics(run(job.path, arguments, job.folder, time_limit, frames))
+    count = min(job.processes, frames)
+    parts = [(1 + frames * i // count, frames * (i + 1) // count) for i in range(count)]
+    runs = [common if count == 1 else [*common, f"+SF{first}", f"+EF{last}"] for first, last in parts]
+    outputs = run_all(job.path, runs, job.folder, time_limit, math.ceil(frames / count))
+    statistics = [frame for output in outputs for frame in read_statistics(output)]
     if len(statistics) != frames:
         raise JobFailed(f"povray printed the statistics of {len(statistics)} pictures instead of {frames}")
     return statistics

@@ -1,8 +1,9 @@
 """The frames that make up a picture of the mode `accumulate`: where in the pixel, when, and through which point of the
-lens each looks.
+lens each looks, and which point of each area light shines.
 
 A scene without a lens or without a shutter spends no dimension of the sampler on it. The dimensions in order: two of
-the pixel, one of time, two of the lens. Haeberli and Akeley 1990, "The Accumulation Buffer", average pictures so.
+the pixel, one of time, two of the lens, two of each light with an area, as the scene states them. Haeberli and Akeley
+1990, "The Accumulation Buffer", average pictures so.
 """
 
 from __future__ import annotations
@@ -18,12 +19,13 @@ from aliascope.geometry import Array
 from aliascope.model import Scene
 from aliascope.native import samplers
 from aliascope.native.warps import DISC
-from aliascope.renderers.povray_modes import ACCUMULATE, FOCAL_BLUR, dimensions
+from aliascope.renderers.povray_area_lights import LightPoints, points_on
+from aliascope.renderers.povray_modes import ACCUMULATE, FOCAL_BLUR
 from aliascope.specs import Spec
 
 MOMENTS = 65
-"""Evenly spaced moments of a shutter at which a scene is looked at before the times of its frames are known."""
-
+"""Frames with which a scene is looked at before its own are known: evenly spaced moments of the shutter, and points of
+its lights."""
 
 APERTURE = 4.0
 """Of POV-Ray's camera, over the radius of the lens that acts (measured; its manual makes it the diameter, 2)."""
@@ -56,8 +58,9 @@ class LightGrid:
 class Frames:
     """The frames that make a picture. shifts (n, 2): pixels to the right and down from the centres of the pixels;
     weights (n,); times (n,) in [0, 1], None for a scene that stands still; lens (n, 2): to the right and up from the
-    middle of the lens, in the scene's units, None without a lens. blur: POV-Ray's own lens, in its place. grid: of each
-    area light."""
+    middle of the lens, in the scene's units, None without a lens. blur: POV-Ray's own lens, in its place. lights: of
+    each of the scene's lights its points, None of one without an area; where there are none here, area lights are
+    POV-Ray's own, of this grid."""
 
     shifts: Array
     weights: Array
@@ -65,6 +68,7 @@ class Frames:
     lens: Array | None = None
     blur: FocalBlur | None = None
     grid: LightGrid = LightGrid()
+    lights: tuple[LightPoints | None, ...] = ()
 
 
 def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
@@ -82,16 +86,48 @@ def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
         )
     if mode.name != ACCUMULATE.name:
         return Frames(np.zeros((1, 2)), np.ones(1), grid=light_grid(mode))
-    sampler, count, needs = mode.word("sampler"), mode.integer("n"), scene.needs()
-    width = dimensions(needs)
-    points = samplers.points(sampler, count, width, seed)
+    sampler, count = mode.word("sampler"), mode.integer("n")
+    sizes, arrangement = scene.needs().groups, mode.word("dimensions")
+    points = samplers.points(sampler, count, sizes, seed, arrangement=arrangement)
+    return _frames(scene, points, samplers.weights(sampler, count, sizes, arrangement))
+
+
+def _frames(scene: Scene, points: Array, weights: Array) -> Frames:
+    """Frames of these samples, (n, dimensions); tracer.h has their order."""
+    needs = scene.needs()
+    lens, lights = 2 + needs.shutter, 2 + needs.shutter + 2 * needs.lens
     return Frames(
         points[:, :2] - 0.5,
-        samplers.weights(sampler, count, width),
+        weights,
         shutter_times(scene, points[:, 2]) if needs.shutter else None,
-        lens_points(scene, points[:, width - 2 :]) if needs.lens else None,
-        grid=light_grid(mode),
+        lens_points(scene, points[:, lens:lights]) if needs.lens else None,
+        lights=_light_points(scene, points[:, lights:]),
     )
+
+
+def _light_points(scene: Scene, u: Array) -> tuple[LightPoints | None, ...]:
+    """Two columns of u for each light with an area."""
+    if not scene.needs().area_lights:
+        return ()
+    found: list[LightPoints | None] = []
+    columns = 0
+    for light in scene.lights:
+        made = points_on(light, u[:, columns : columns + 2])
+        columns += 2 * (made is not None)
+        found.append(made)
+    return tuple(found)
+
+
+def looked_at(scene: Scene) -> Frames:
+    """MOMENTS frames that stand for those of any mode: from the shutter's opening to its closing, with points all over
+    the lights."""
+    width = 2 * scene.needs().area_lights
+    times = None
+    if scene.needs().shutter:
+        assert scene.camera.shutter is not None
+        times = np.linspace(*scene.camera.shutter, MOMENTS)
+    lights = _light_points(scene, samplers.points("halton", MOMENTS, width)) if width else ()
+    return Frames(np.zeros((MOMENTS, 2)), np.full(MOMENTS, 1.0 / MOMENTS), times, lights=lights)
 
 
 def light_grid(mode: Spec) -> LightGrid:
@@ -133,11 +169,3 @@ def moments(scene: Scene, times: Array | None) -> Iterator[Scene]:
         return
     for time in times.tolist():
         yield motion.at(scene, time)
-
-
-def times_within(scene: Scene) -> Array | None:
-    """MOMENTS times from the shutter's opening to its closing, or None for a scene that stands still."""
-    if not scene.needs().shutter:
-        return None
-    assert scene.camera.shutter is not None
-    return np.linspace(*scene.camera.shutter, MOMENTS)

@@ -43,7 +43,7 @@ HORIZON_TOLERANCE_PX = 0.02
 """The most by which the horizon of a plane may lie wrong; it is 0.0008 in a lit picture of 40 degrees and 96 rows."""
 
 
-def unit(vector: Vector) -> Array:
+def unit(vector: Vector | Array) -> Array:
     """The vector at length 1; scaled first, as the square of 1e200 has no double."""
     scaled = np.array(vector) / max(abs(x) for x in vector)
     length_1: Array = scaled / np.linalg.norm(scaled)

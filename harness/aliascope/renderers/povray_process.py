@@ -88,15 +88,53 @@ def version(path: str) -> str:
 
 
 def run(path: str, arguments: list[str], folder: Path, time_limit: float, frames: int = 1) -> str:
-    """Runs povray in `folder` and returns the last KEPT_BYTES of what it prints, more where it renders many frames.
+    """One run of povray: see `run_all`."""
+    return run_all(path, [arguments], folder, time_limit, frames)[0]
 
-    Raises JobFailed where it fails, is killed, or has not ended after `time_limit` seconds on the wall, and
-    NotAvailable where it cannot be started. Afterwards no process of it is left.
+
+def run_all(path: str, runs: list[list[str]], folder: Path, time_limit: float, frames: int = 1) -> list[str]:
+    """Runs povray in `folder` with each of these arguments, all at once, and returns the last KEPT_BYTES of what each
+    prints, more where it renders many frames.
+
+    Raises JobFailed where one fails, is killed, or has not ended after `time_limit` seconds on the wall, and
+    NotAvailable where it cannot be started. Afterwards no process of them is left.
     """
+    most = max(KEPT_BYTES, frames * KEPT_BYTES_A_FRAME)
+    started: list[_Running] = []
+    try:
+        for arguments in runs:
+            process = _start(path, arguments, folder)
+            started.append(_Running(process, bytearray()))
+        failed, in_time = _collect(started, time.monotonic() + time_limit, most)
+    finally:
+        for each in started:
+            _end(each.process)
+    if not in_time:
+        raise JobFailed(f"povray had not ended after {time_limit:.3g} s, its time limit, and was killed")
+    if failed is not None:
+        status = failed.process.returncode
+        end = f"was killed by {_signal_name(-status)}" if status < 0 else f"exited with status {status}"
+        raise JobFailed(f"povray {end}: {_last_lines(failed.text)}")
+    return [each.text for each in started]
+
+
+@dataclass(frozen=True)
+class _Running:
+    """A process, and the last of what it printed."""
+
+    process: subprocess.Popen[bytes]
+    kept: bytearray
+
+    @property
+    def text(self) -> str:
+        return self.kept.decode("utf-8", "replace")
+
+
+def _start(path: str, arguments: list[str], folder: Path) -> subprocess.Popen[bytes]:
     ini = folder / "aliascope.ini"
     environment = {**os.environ, "POVINI": str(ini), "HOME": str(folder), "LC_ALL": "C"}
     try:
-        process = subprocess.Popen(
+        return subprocess.Popen(
             [path, *arguments],
             cwd=folder,
             env=environment,
@@ -108,17 +146,6 @@ def run(path: str, arguments: list[str], folder: Path, time_limit: float, frames
         )
     except OSError as error:
         raise NotAvailable(f"{path} does not start: {error.strerror}") from error
-    try:
-        output, in_time = _collect(process, time.monotonic() + time_limit, max(KEPT_BYTES, frames * KEPT_BYTES_A_FRAME))
-    finally:
-        _end(process)
-    if not in_time:
-        raise JobFailed(f"povray had not ended after {time_limit:.3g} s, its time limit, and was killed")
-    if process.returncode < 0:
-        raise JobFailed(f"povray was killed by {_signal_name(-process.returncode)}: {_last_lines(output)}")
-    if process.returncode > 0:
-        raise JobFailed(f"povray exited with status {process.returncode}: {_last_lines(output)}")
-    return output
 
 
 def read_statistics(output: str) -> list[Statistics]:
@@ -142,42 +169,38 @@ def _die_with_parent() -> None:
         _PRCTL(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
 
 
-def _exited(process: subprocess.Popen[bytes]) -> bool:
-    """Whether the program has ended. It is not reaped, so that the number of its process group stays its own."""
-    return os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
+def _end_of(process: subprocess.Popen[bytes]) -> os.waitid_result | None:
+    """How the program has ended, if it has. It is not reaped, so that the number of its process group stays its own."""
+    return os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT)
 
 
-def _collect(process: subprocess.Popen[bytes], deadline: float, most: int) -> tuple[str, bool]:
-    """The last `most` bytes of the output, and whether the program ended before `deadline`, a time.monotonic()."""
-    assert process.stdout is not None
-    pipe = process.stdout.fileno()
-    os.set_blocking(pipe, False)
-    kept = bytearray()
-    pipe_open = True
+def _collect(started: list[_Running], deadline: float, most: int) -> tuple[_Running | None, bool]:
+    """Keeps the last `most` bytes of what each prints, until all have ended, or one has failed, or the deadline, a
+    time.monotonic(), is past. Returns the one that failed, and whether it ended before the deadline."""
     with selectors.DefaultSelector() as selector:
-        selector.register(pipe, selectors.EVENT_READ)
+        for each in started:
+            assert each.process.stdout is not None
+            os.set_blocking(each.process.stdout.fileno(), False)
+            selector.register(each.process.stdout.fileno(), selectors.EVENT_READ, each)
         while True:
-            # Looked at before reading: what a program that has ended had to say is in the pipe by now.
-            exited = _exited(process)
-            remaining = deadline - time.monotonic()
-            if not exited and remaining <= 0.0:
-                break
-            if not pipe_open:
-                if exited:
-                    break
-                time.sleep(min(0.01, remaining))
-                continue
-            if not selector.select(0.0 if exited else min(_CHECK_EVERY, remaining)):
-                if exited:
-                    break
-                continue
-            piece = os.read(pipe, 1 << 16)
-            kept += piece
-            del kept[:-most]
-            pipe_open = bool(piece)
-            if exited and remaining <= 0.0:
-                break  # something else keeps writing to the pipe
-    return kept.decode("utf-8", "replace"), exited
+            # Looked at before reading: what a program that has ended had to say is in its pipe by now.
+            ends = [_end_of(each.process) for each in started]
+            failed = [each for each, end in zip(started, ends, strict=True) if end and end.si_status != 0]
+            ended, remaining = bool(failed) or all(ends), deadline - time.monotonic()
+            if not ended and remaining <= 0.0:
+                return None, False
+            # With a pipe closed before its process has ended, nothing wakes this from its sleep when it has.
+            longest = _CHECK_EVERY if len(selector.get_map()) == ends.count(None) else 0.01
+            ready = selector.select(0.0 if ended else min(longest, remaining))
+            for key, _ in ready:
+                piece = os.read(key.fd, 1 << 16)
+                key.data.kept.extend(piece)
+                del key.data.kept[:-most]
+                if not piece:
+                    selector.unregister(key.fd)
+            # Past the deadline something else keeps writing to the pipe.
+            if ended and (not ready or remaining <= 0.0):
+                return (failed[0] if failed else None), True
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

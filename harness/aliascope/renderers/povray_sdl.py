@@ -17,6 +17,7 @@ import numpy as np
 
 from aliascope.geometry import Array, Frame, Surfaces, frame_of, surfaces_of
 from aliascope.model import BLACK, AreaLight, Colour, DirectionalLight, Material, PointLight, Scene, Vector
+from aliascope.renderers.povray_area_lights import LightPoints
 from aliascope.renderers.povray_frames import FocalBlur, Frames, LightGrid, moments
 from aliascope.renderers.povray_light import lighting_of, pattern_colours
 from aliascope.renderers.povray_limits import FARTHEST, unit, world_scale
@@ -184,26 +185,39 @@ def _frame_number(count: int) -> str:
 
 
 def _lights(scene: Scene, exposure: float, world: World, frames: Frames) -> Iterable[str]:
-    for light, fade in zip(scene.lights, lighting_of(scene, frames.times).fade_distances, strict=True):
-        colour, more = light.intensity, ""
+    fades = lighting_of(scene, frames).fade_distances
+    for number, (light, fade) in enumerate(zip(scene.lights, fades, strict=True)):
+        lines: list[str] = []
+        points = frames.lights[number] if frames.lights else None
+        share, divisor, more = points.share if points else 1.0, 1.0, ""
         match light:
             case DirectionalLight(direction=direction):
-                place = -LIGHT_DISTANCE * unit(direction)
+                place = _vector(-LIGHT_DISTANCE * unit(direction))
                 more = " parallel point_at 0"
             case PointLight(position=position):
-                place = world.place(position)
-            case AreaLight(corner=corner, edges=edges):
-                place = world.place(np.array(corner) + 0.5 * (np.array(edges[0]) + np.array(edges[1])))
+                place = _vector(world.place(position))
+            case AreaLight(corner=corner, edges=edges) if points is None:
+                place = _vector(world.place(np.array(corner) + 0.5 * (np.array(edges[0]) + np.array(edges[1]))))
                 more = _area_light(light, world, frames.grid)
             case _:
-                raise ValueError(f"a {light.type} light has no text")
+                if points is None:
+                    raise ValueError(f"a {light.type} light has no text")
+                place = _chosen(lines, f"Light_{number}", world.place(points.places))
+                if light.falloff == "inverse-square":
+                    more = _cosine(lines, number, place, points)
         if light.falloff == "inverse-square":
-            red, green, blue = colour
-            share = 2.0 * fade * fade
-            colour = (red / share, green / share, blue / share)
-            more = f" fade_power 2 fade_distance {_number(world.scale * fade)}"
-        emitted = tuple(channel / exposure for channel in colour)
-        yield f"light_source {{ {_vector(place)}, {_colour(emitted)}{more} }}"
+            divisor = 2.0 * fade * fade
+            more += f" fade_power 2 fade_distance {_number(world.scale * fade)}"
+        emitted = tuple(share * channel / divisor / exposure for channel in light.intensity)
+        yield from lines
+        yield f"light_source {{ {place}, {_colour(emitted)}{more} }}"
+
+
+def _cosine(lines: list[str], number: int, place: str, points: LightPoints) -> str:
+    """The statement that makes a light's rays weaker by the cosine, and leaves none behind: see
+    `povray_area_lights`."""
+    facing = _vector(points.facing[0]) if points.flat else _chosen(lines, f"Facing_{number}", points.facing)
+    return f" spotlight radius 90 falloff 90 tightness 1 point_at {place} + {facing}"
 
 
 def _area_light(light: AreaLight, world: World, grid: LightGrid) -> str:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from aliascope.report.teaching import attributes, spread_out
 
 Array = NDArray[np.float64]
+Bytes = NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -193,24 +194,26 @@ def _clipped(polygon: list[tuple[float, float]], a: float, b: float, offset: flo
 def power_picture(power: Array, name: str) -> str:
     """The power in two dimensions as a grey picture, white from twice that of independent points."""
     grey = np.clip(np.rint(power[::-1] * 127.5), 0, 255).astype(np.uint8)
-    text = base64.b64encode(grey_png(grey)).decode("ascii")
+    text = base64.b64encode(png(grey)).decode("ascii")
     return element(
         "img", src=f"data:image/png;base64,{text}", alt=f"Power spectrum of {name}, frequency 0 in the middle"
     )
 
 
-def grey_png(grey: NDArray[np.uint8]) -> bytes:
-    """(height, width) as a PNG of 8 bits a pixel (ISO 15948), its rows unfiltered: noise gains nothing by a filter."""
-    height, width = grey.shape
-    rows = np.concatenate([np.zeros((height, 1), np.uint8), grey], axis=1).tobytes()
+def png(pixels: Bytes) -> bytes:
+    """(height, width) grey or (height, width, 3) as a PNG of 8 bits (ISO 15948), its rows unfiltered: noise gains
+    nothing by a filter."""
+    height, width = pixels.shape[:2]
+    kind = 0 if pixels.ndim == 2 else 2
+    rows = np.concatenate([np.zeros((height, 1), np.uint8), pixels.reshape(height, -1)], axis=1).tobytes()
     chunks = [
-        (b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)),
+        (b"IHDR", struct.pack(">IIBBBBB", width, height, 8, kind, 0, 0, 0)),
         (b"IDAT", zlib.compress(rows, 9)),
         (b"IEND", b""),
     ]
     made = b"\x89PNG\r\n\x1a\n"
-    for kind, data in chunks:
-        made += struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    for name, data in chunks:
+        made += struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
     return made
 
 

@@ -12,9 +12,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from aliascope import image, metrics, pipeline, places, references, renderers
+from aliascope import image, jobs, metrics, pipeline, places, references, renderers
 from aliascope.errors import CheckFailed, Interrupted, NotWritable, Unsupported
-from aliascope.pipeline import Options, Plan, Progress
+from aliascope.jobs import Plan
+from aliascope.pipeline import Options, Progress
 from aliascope.plan import FILTERS
 from aliascope.records import Estimate, Failure, ModeRow, Outcome, ReportData, SceneSection
 from aliascope.references import Reference
@@ -54,7 +55,7 @@ def compare(
     NotWritable for the folder.
     """
     begun, started = time.perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
-    sizes = {pipeline.judged_by(job): (job.width, job.height) for job in plan.jobs}
+    sizes = {jobs.judged_by(job): (job.width, job.height) for job in plan.jobs}
     check_drawn(plan)
     kept = folder / "references"
     judged = {key: reference_of(plan, key, size, kept, progress, tell) for key, size in sizes.items()}
@@ -64,7 +65,7 @@ def compare(
         store.begin_run(started, command, places.revision(), places.machine(), versions)
         pixels = {key: reference.pixels for key, reference in judged.items()}
         try:
-            with Workers(options.processes) as workers:
+            with Workers(pipeline.side_by_side(options.processes)) as workers:
                 outcomes, reused = pipeline.execute(plan, folder, store, pixels, options, progress, workers)
                 probed = probes.of_those_that_drew(outcomes.values(), plan.skipped, store, options, progress, workers)
         except KeyboardInterrupt as error:
@@ -158,7 +159,7 @@ def _section(
     groups: dict[tuple[str, str], list[Outcome]] = {}
     for job in sorted(plan.jobs, key=lambda job: job.seed):
         outcome = outcomes[job.key]
-        if pipeline.judged_by(job) == key and outcome.status == "done":
+        if jobs.judged_by(job) == key and outcome.status == "done":
             groups.setdefault((job.renderer, job.mode), []).append(outcome)
     rows = [_row(group, folder) for group in groups.values()]
     rows.sort(key=lambda row: (order.index(row.renderer), row.family, row.samples_per_pixel))

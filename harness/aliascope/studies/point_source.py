@@ -28,6 +28,8 @@ class SampledPoints:
     pixel: tuple[int, int]
     first: int
     sampler: Sampler
+    groups: tuple[int, ...] | None = None
+    arrangement: str = "joint"
 
     @property
     def randomised(self) -> bool:
@@ -36,7 +38,8 @@ class SampledPoints:
     @property
     def document(self) -> dict[str, Any]:
         """The beginning of what --json prints."""
-        return {"sampler": self.name, "n": self.n, "d": self.d, "seed": self.seed}
+        whole = {"sampler": self.name, "n": self.n, "d": self.d, "seed": self.seed}
+        return whole if self.groups is None else {**whole, "groups": self.groups, "arrangement": self.arrangement}
 
     def chunks(self, weights: bool) -> Iterator[Array]:
         """All rows, (up to 65536, d), or d + 1 with the weight of each point as the last column."""
@@ -48,7 +51,8 @@ class SampledPoints:
     def realisation(self, index: int) -> Array:
         """(n, d); index 0 has the seed that was asked for, and the next ones those after it."""
         seed = (self.seed + index) % 2**64
-        sampler = Sampler(self.name, self.n, self.d, seed) if index else self.sampler
+        groups = self.groups or self.d
+        sampler = Sampler(self.name, self.n, groups, seed, self.arrangement) if index else self.sampler
         return sampler.points(self.n, self.first, self.pixel)
 
 
@@ -92,14 +96,25 @@ def is_file(name: str) -> bool:
     return name == STANDARD_INPUT or "/" in name or ("." in name and ":" not in name)
 
 
-def open_source(name: str, n: int | None, d: int | None, seed: int, pixel: tuple[int, int], first: int) -> PointSource:
-    """A sampler's spec, for which n must be given and d is 2 if not; or a file, which has a slash or a suffix, or is
-    "-", standard input.
+def open_source(
+    name: str,
+    n: int | None,
+    d: int | None,
+    seed: int,
+    pixel: tuple[int, int],
+    first: int,
+    groups: tuple[int, ...] | None = None,
+    arrangement: str = "joint",
+) -> PointSource:
+    """A sampler's spec, for which n must be given and d is 2 if not, or `groups`, so arranged, say all; or a file,
+    which has a slash or a suffix, or is "-", standard input.
 
     Of a file: rows [first, first + n), to the end if n is not given, and the first d columns, or all. Raises the
     sampler's errors; InvalidInput for a file that cannot be read or has fewer rows or columns.
     """
     if is_file(name):
+        if groups is not None:
+            raise InvalidInput("--groups are of a sampler's dimensions; the points of a file are as they are")
         values = read_points(name)
         rows, columns = values.shape
         if first + (n or 1) > rows or (d or 1) > columns:
@@ -107,5 +122,8 @@ def open_source(name: str, n: int | None, d: int | None, seed: int, pixel: tuple
         return StoredPoints(name, values[first : None if n is None else first + n, :d])
     if n is None:
         raise InvalidInput("-n is missing: how many points of the sampler")
-    sampler = Sampler(name, n, d or 2, seed)
-    return SampledPoints(sampler.spec, n, d or 2, seed, pixel, first, sampler)
+    if groups is not None and d not in (None, sum(groups)):
+        raise InvalidInput(f"-d {d}: the groups have {sum(groups)} dimensions")
+    dimensions = sum(groups) if groups else d or 2
+    sampler = Sampler(name, n, groups or dimensions, seed, arrangement)
+    return SampledPoints(sampler.spec, n, dimensions, seed, pixel, first, sampler, groups, arrangement)

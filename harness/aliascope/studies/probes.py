@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from aliascope import pipeline, renderers
+from aliascope import jobs, renderers
 from aliascope.errors import AliascopeError, NotAvailable
 from aliascope.geometry import Array
 from aliascope.model import Scene
@@ -124,10 +124,10 @@ def of_those_that_drew(
         for name in wanted
         if kept[name] is None
     }
-    for count, (name, result) in enumerate(begun.items()):
+    for count, (name, task) in enumerate(begun.items()):
         progress(f"probing {name}", count, len(begun))
         try:
-            kept[name] = result()
+            kept[name] = task.result()
         except AliascopeError as error:
             kept[name] = _without(name, f"its probe failed: {error}")
     for name in begun:
@@ -165,6 +165,6 @@ def _key(renderer: Renderer) -> str:
         versions = dict(renderer.versions())
     except NotAvailable:  # gone since the plan was made: its probe says so
         versions = {}
-    code = [pipeline.code_digest(renderer.name, mode), hashlib.sha256(Path(__file__).read_bytes()).hexdigest()]
+    code = [jobs.code_digest(renderer.name, mode), hashlib.sha256(Path(__file__).read_bytes()).hexdigest()]
     contents = [renderer.name, mode.text, versions, code]
     return hashlib.sha256(json.dumps(contents, sort_keys=True).encode()).hexdigest()[:32]

@@ -6,10 +6,11 @@ import fnmatch
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from aliascope import pipeline, plan, renderers, scene_io
+from aliascope import jobs, plan, renderers, scene_io
 from aliascope.errors import InvalidInput, SpecError, near_misses
+from aliascope.jobs import Plan
 from aliascope.native import samplers
-from aliascope.pipeline import Plan
+from aliascope.scene_io import SceneFile
 from aliascope.specs import label, spelled_out, split
 
 WILDCARDS = frozenset("*?[")
@@ -21,20 +22,29 @@ def plan_of(
     modes: Sequence[str],
     profile: str,
     size: tuple[int, int] | None,
+    arrangements: Sequence[str] = (),
 ) -> Plan:
-    """The plan of `aliascope compare`. Nothing named means all; renderers named must be there."""
+    """The plan of `aliascope compare`. Nothing named means all; renderers named must be there. Modes that take an
+    arrangement of dimensions and say none have each of these."""
     plugged_in = [info.name for info in samplers.registered() if info.plugged_in]
     own = plan.with_samplers(plan.profile(profile), plugged_in)
     names = plan.matching(chosen, renderers.RENDERERS, "renderer") if chosen else list(own)
     wanted = {name: list(own.get(name, ())) for name in names}
     if modes:
         wanted = _modes(wanted, modes)
+    if arrangements:
+        wanted = {name: _arranged(name, found, arrangements) for name, found in wanted.items()}
     files = [scene_io.load(name) for name in scenes_of(scenes)]
+    check_names(files)
+    made = jobs.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
+    return replace(made, about=_about(profile, [file.name for file in files], own, wanted))
+
+
+def check_names(files: Sequence[SceneFile]) -> None:
+    """Raises InvalidInput where two scenes would stand under one name."""
     twice = {file.name for file in files if sum(other.name == file.name for other in files) > 1}
     if twice:
         raise InvalidInput(f"two scenes are named {', '.join(sorted(twice))}: rename one of the files")
-    made = pipeline.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
-    return replace(made, about=_about(profile, [file.name for file in files], own, wanted))
 
 
 def _about(
@@ -73,6 +83,12 @@ def _modes(profile: dict[str, list[str]], modes: Sequence[str]) -> dict[str, lis
         for name, found in hits.items():
             wanted[name] += found
     return {name: found for name, found in wanted.items() if found}
+
+
+def _arranged(renderer: str, modes: Sequence[str], arrangements: Sequence[str]) -> list[str]:
+    found = renderers.find(renderer)
+    made = (renderers.arranged(found, mode, arrangement) for arrangement in arrangements for mode in modes)
+    return list(dict.fromkeys(made))
 
 
 def _hits(renderer: str, mode: str, own: Sequence[str]) -> list[str]:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from aliascope import api, image, metrics, pipeline, plan, references, renderers, scene_io
+from aliascope import api, image, jobs, metrics, pipeline, plan, references, renderers, scene_io
 from aliascope.errors import InvalidInput, NotWritable
 from aliascope.native import filters
 from aliascope.records import Rendering
@@ -27,14 +27,22 @@ def render_file(
     threads: int,
     time_limit: float = Request.time_limit,
     counts: Path | None = None,
+    dimensions: str | None = None,
 ) -> dict[str, Any]:
-    """Renders to a file, and gives the figures of `aliascope render --json`; the samples of each pixel to `counts`."""
+    """Renders to a file, and gives the figures of `aliascope render --json`; the samples of each pixel to `counts`.
+
+    `dimensions`: their arrangement, where the mode does not say. Raises InvalidInput for a mode that takes none.
+    """
     _check_out(out)
     if counts is not None:
         _check_out(counts)
     file = scene_io.load(scene)
     found = renderers.find(renderer)
+    if dimensions is not None:
+        mode = renderers.arranged(found, mode, dimensions)
     spec = renderers.mode_of(found, mode)
+    if dimensions is not None and "dimensions" not in spec.values:
+        raise InvalidInput(f"--dimensions is for modes with a sampler: {spec.name} of {renderer} has none")
     if counts is not None and spec.name != "adaptive":
         raise InvalidInput(f"--counts is for adaptive modes: {spec.name} takes as many samples in every pixel")
     least = LEAST_SECONDS if threads == 1 else 0.0
@@ -84,7 +92,7 @@ def render_file(
         "repeats": cost.repeats,
         "threads": threads,
         "quantum": rendering.quantum,
-        "versions": {**versions, **pipeline.plugin_versions(spec)},
+        "versions": {**versions, **jobs.plugin_versions(spec)},
         "image": str(out),
     }
 

@@ -1,5 +1,7 @@
 """Whether a converged reference agrees with an independent estimate of the same picture: statistics, no more.
 
+`studies/agree_judge.py` compares renderers with parts of it.
+
 With d the difference of the two and v the sum of their variances, the squares of their standard errors, d / sqrt(v)
 has Student's distribution, nearly, with Welch's degrees of freedom (Welch 1947). Three families share SIGNIFICANCE,
 each divided by how many tests it has (Bonferroni): every value; the mean over every block of 8 x 8 pixels and channel;
@@ -29,11 +31,21 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from aliascope.geometry import Array
-from aliascope.references.converged import Estimate
 
 SIGNIFICANCE = 1e-3
 BLOCK = 8
 SLACK = 0.1
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Mean and standard error of the mean, (height, width, 3) float64, of `replicates` pictures, which have `samples`
+    a pixel in all."""
+
+    mean: Array
+    standard_error: Array
+    replicates: int
+    samples: int
 
 
 @dataclass(frozen=True)
@@ -52,8 +64,8 @@ class Agreement:
 def correlation(pictures: Array) -> float:
     """How much more the means over blocks scatter than if pixels were independent, 1 or more: from replicates,
     (R, height, width, 3)."""
-    together = _blocks(pictures).var(axis=0, ddof=1).sum()
-    apart = _blocks(pictures.var(axis=0, ddof=1), squared=True).sum()
+    together = blocks(pictures).var(axis=0, ddof=1).sum()
+    apart = blocks(pictures.var(axis=0, ddof=1), squared=True).sum()
     return max(1.0, float(together / apart)) if apart > 0.0 else 1.0
 
 
@@ -65,7 +77,7 @@ def agreement(stored: Estimate, again: Estimate, rounding: float, factor: float 
     one = stored.standard_error**2
     other = np.maximum(again.standard_error**2, one * (stored.samples / again.samples))
     variance = one + other
-    freedom = _welch(one, other, stored.replicates, again.replicates)
+    freedom = welch(one, other, stored.replicates - 1, again.replicates - 1)
     difference = stored.mean - again.mean
     limit = student.isf(SIGNIFICANCE / 3 / 2 / difference.size, freedom) * np.sqrt(variance) + rounding
     share = np.where(np.isnan(difference), np.inf, np.abs(difference) / limit)
@@ -86,15 +98,16 @@ def agreement(stored: Estimate, again: Estimate, rounding: float, factor: float 
     return Agreement(reason, (row, column, channel), abs(worst), float(limit[row, column, channel]), mean_square)
 
 
-def _welch(one: Array, other: Array, replicates: int, others: int) -> Array:
-    """Degrees of freedom of the sum of two estimated variances (Welch 1947)."""
-    below = one**2 / (replicates - 1) + other**2 / (others - 1)
-    least = float(min(replicates, others) - 1)
+def welch(one: Array, other: Array, freedom: Array | float, others: Array | float) -> Array:
+    """Degrees of freedom of the sum of two estimated variances (Welch 1947), from those of each; infinity for one that
+    is known."""
+    below = one**2 / freedom + other**2 / others
+    least = np.minimum(freedom, others)
     found: Array = np.where(below > 0.0, (one + other) ** 2 / np.where(below > 0.0, below, 1.0), least)
     return found
 
 
-def _blocks(pictures: Array, squared: bool = False) -> Array:
+def blocks(pictures: Array, squared: bool = False) -> Array:
     """The means (..., rows, columns, 3) over blocks of BLOCK x BLOCK pixels, those at the border smaller; `squared`: of
     variances, whose sum is over the square of the count."""
     sums, count = pictures, np.ones((1, 1, 1))
@@ -109,14 +122,14 @@ def _blocks(pictures: Array, squared: bool = False) -> Array:
 
 def _means(difference: Array, variance: Array, freedom: int, rounding: float) -> str:
     """What is wrong with the means over blocks and over the picture, if anything."""
-    blocks = np.abs(_blocks(difference))
-    spread = np.sqrt(_blocks(variance, squared=True))
-    limit = student.isf(SIGNIFICANCE / 3 / 2 / blocks.size, freedom) * spread + rounding
-    if not bool((blocks <= limit).all()):
-        row, column, channel = (int(i) for i in np.unravel_index(int(np.argmax(blocks / limit)), blocks.shape))
+    means = np.abs(blocks(difference))
+    spread = np.sqrt(blocks(variance, squared=True))
+    limit = student.isf(SIGNIFICANCE / 3 / 2 / means.size, freedom) * spread + rounding
+    if not bool((means <= limit).all()):
+        row, column, channel = (int(i) for i in np.unravel_index(int(np.argmax(means / limit)), means.shape))
         return (
             f"the block of pixels from ({column * BLOCK}, {row * BLOCK}) channel {channel} differs by "
-            f"{blocks[row, column, channel]:.3g} in the mean, at most {limit[row, column, channel]:.3g}"
+            f"{means[row, column, channel]:.3g} in the mean, at most {limit[row, column, channel]:.3g}"
         )
     whole = np.abs(difference.mean(axis=(0, 1)))
     most = student.isf(SIGNIFICANCE / 3 / 2 / whole.size, freedom) * np.sqrt(variance.sum(axis=(0, 1)))

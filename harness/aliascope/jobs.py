@@ -1,0 +1,168 @@
+"""Which pictures a comparison makes: its jobs, each under the key of all that its picture depends on."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from aliascope import plan, renderers
+from aliascope.errors import NotAvailable
+from aliascope.native import samplers
+from aliascope.native.samplers import Plugin
+from aliascope.records import EmptyCell, Job
+from aliascope.renderers.base import Renderer, filter_of, lacks
+from aliascope.scene_io import SceneFile
+from aliascope.specs import Spec
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Jobs in the order in which they run; cells that stay empty; renderers that are not there, with the reason."""
+
+    jobs: tuple[Job, ...]
+    empty: tuple[EmptyCell, ...]
+    skipped: Mapping[str, str]
+    files: Mapping[str, SceneFile]
+    versions: Mapping[str, str]
+    plugins: Mapping[str, str] = field(default_factory=dict)
+    """Of the modes' samplers: path and hash by "plugin NAME"."""
+    about: str = ""
+    """What was chosen, for the title of a report: "quick profile, chosen scenes"."""
+
+
+COMMON = ("geometry.py", "image.py", "meshes.py", "model.py", "motion.py", "specs.py")
+"""What the pictures of every renderer depend on, beside renderers/ and native/ without the files of other renderers."""
+
+SAMPLER_LIBRARY = "libaliascope.so"
+
+
+@functools.cache
+def code_of(renderer: str, with_samplers: bool) -> tuple[Path, ...]:
+    """The files whose code a picture of this renderer depends on; `with_samplers`: one of a mode with a sampler.
+
+    A mode without one depends on no sampler of the library: of it, the rasteriser takes the text of errors alone.
+    """
+    here = Path(__file__).parent
+    own = _own_files(here, renderer)
+    others = {path for name in renderers.RENDERERS if name != renderer for path in _own_files(here, name)} - own
+    libraries = set((here / "native" / "lib").glob("*.so"))
+    if not with_samplers:
+        libraries = {path for path in libraries if path.name != SAMPLER_LIBRARY}
+    folders = {path for name in ("renderers", "native") for path in (here / name).glob("*.py")}
+    registries = {path for path in folders if path.name == "__init__.py"}
+    found = ({here / name for name in COMMON} | folders | libraries) - others - registries
+    return tuple(sorted(found))
+
+
+def _own_files(here: Path, renderer: str) -> set[Path]:
+    native = renderers.find(renderer).native
+    return {
+        *(here / "renderers").glob(f"{renderer}*.py"),
+        *(here / "native" / f"{name}.py" for name in native),
+        *(here / "native" / "lib" / f"libaliascope-{name}.so" for name in native),
+    }
+
+
+@functools.cache
+def _digest(paths: tuple[Path, ...]) -> str:
+    digest = hashlib.sha256()
+    for path in paths:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def code_digest(renderer: str, mode: Spec) -> str:
+    """A hash of the code that pictures of this mode depend on: when it changes, they are made again."""
+    return _digest(code_of(renderer, any(key.kind == "spec" for key in mode.form.keys)))
+
+
+def plugins_of(mode: Spec) -> dict[str, Plugin]:
+    """The plugins whose samplers a mode names, by the sampler. Every word counts, a value of a key too: an inner spec
+    may stand anywhere."""
+    words = {word for value in mode.values.values() for word in re.split("[:,=]", str(value))}
+    return {name: plugin for plugin in samplers.plugins() for name in plugin.samplers if name in words}
+
+
+def plugin_versions(mode: Spec) -> dict[str, str]:
+    """For provenance: path and hash of the plugins that a mode names, by "plugin NAME"."""
+    return {f"plugin {name}": f"{plugin.path} sha256 {plugin.sha256}" for name, plugin in plugins_of(mode).items()}
+
+
+def make_plan(
+    files: Sequence[SceneFile],
+    wanted: Mapping[str, Sequence[str]],
+    seeds: int,
+    size: tuple[int, int] | None = None,
+    required: Sequence[str] = (),
+) -> Plan:
+    """The jobs of these scenes with these modes by renderer; a randomised mode gets `seeds` pictures.
+
+    Raises NotAvailable for a `required` renderer that is not there, SpecError for a mode that can't be read.
+    """
+    jobs: list[Job] = []
+    empty: list[EmptyCell] = []
+    skipped: dict[str, str] = {}
+    versions: dict[str, str] = {}
+    plugins: dict[str, str] = {}
+    for name, modes in wanted.items():
+        renderer = renderers.find(name)
+        specs = {spec.text: spec for spec in (renderers.mode_of(renderer, mode) for mode in modes)}
+        try:
+            own = dict(renderer.versions())
+        except NotAvailable as error:
+            if name in required:
+                raise
+            skipped[name] = str(error)
+            continue
+        versions.update(own)
+        for spec in specs.values():
+            plugins.update(plugin_versions(spec))
+        for file in files:
+            for spec in specs.values():
+                reason = lacks(renderer, file.scene, spec)
+                if reason:
+                    empty.append(EmptyCell(file.name, name, spec.text, reason))
+                else:
+                    jobs += _jobs(file, renderer, spec, seeds, size, own)
+    # By key, that is by chance: the time left can be told from the count, and no mode has the cold machine to itself.
+    jobs.sort(key=lambda job: job.key)
+    return Plan(tuple(jobs), tuple(empty), skipped, {file.name: file for file in files}, versions, plugins)
+
+
+def _jobs(
+    file: SceneFile,
+    renderer: Renderer,
+    spec: Spec,
+    seeds: int,
+    size: tuple[int, int] | None,
+    versions: Mapping[str, str],
+) -> Iterator[Job]:
+    for seed in range(seeds if renderer.seeded(spec) else 1):
+        yield plan.make_job(
+            scene=file.name,
+            scene_path=str(file.path),
+            digest=file.scene.digest(),
+            renderer=renderer.name,
+            mode=spec.text,
+            size=size or file.scene.view.size,
+            seed=seed,
+            versions={
+                **versions,
+                "code": code_digest(renderer.name, spec),
+                **{f"plugin {name}": plugin.sha256 for name, plugin in plugins_of(spec).items()},
+            },
+        )
+
+
+def judged_by(job: Job) -> tuple[str, str]:
+    """Which reference judges a job: its scene's, of the filter that its mode has."""
+    return job.scene, filter_of(mode_of(job))
+
+
+def mode_of(job: Job) -> Spec:
+    """The parsed mode of a job."""
+    return renderers.mode_of(renderers.find(job.renderer), job.mode)
