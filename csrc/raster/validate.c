@@ -71,6 +71,11 @@ static asc_status check_materials(const asc_scene *scene, asc_error *error) {
     if (!fine) {
       return bad_number(error, "material", i);
     }
+    for (int channel = 0; channel < 3; ++channel) {
+      if (material->reflection[channel] != 0.0) {
+        return asc_fail(error, ASC_UNSUPPORTED, "material %zu mirrors, which is not drawn", i);
+      }
+    }
   }
   return ASC_OK;
 }

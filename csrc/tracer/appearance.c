@@ -1,7 +1,7 @@
 /* View, materials and lights: copied, checked, moved to the camera. */
 #include <stdlib.h>
 
-#include "scene.h"
+#include "transport.h"
 
 void tracer_to_camera_direction(const asc_view *view, const double world[3], double camera[3]) {
   camera[0] = dot(world, view->right);
@@ -34,6 +34,7 @@ static asc_status take_view(tracer *made, const asc_view *view, asc_error *error
   if (view->blades == 1 || view->blades == 2 || view->blades > 64)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "a lens has 3 to 64 blades, or 0 where it is round, not %u",
                     view->blades);
+  lens_make(view, &made->lens);
   return ASC_OK;
 }
 
@@ -45,8 +46,8 @@ static asc_status take_materials(tracer *made, const asc_scene *scene, asc_error
     asc_material *material = &made->materials[i];
     *material = scene->materials[i];
     asc_pattern *pattern = &material->pattern;
-    if (!finite3(material->emission) || !finite3(material->albedo) || !finite3(pattern->origin) ||
-        !finite3(pattern->low) || !finite3(pattern->high) || !isfinite(pattern->scale))
+    if (!finite3(material->emission) || !finite3(material->albedo) || !finite3(material->reflection) ||
+        !finite3(pattern->origin) || !finite3(pattern->low) || !finite3(pattern->high) || !isfinite(pattern->scale))
       return asc_fail(error, ASC_INVALID_ARGUMENT, "material %zu has a number that is not finite", i);
     if (pattern->kind == ASC_PATTERN_NONE) continue;
     made->plain = 0;
@@ -65,11 +66,12 @@ static asc_status take_area(const tracer *made, const asc_light *world, light_so
   if (world->kind != ASC_LIGHT_PARALLELOGRAM && world->kind != ASC_LIGHT_DISC)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu has an unknown kind, %d", number, (int)world->kind);
   const double *a = world->edges[0], *b = world->edges[1];
-  const double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-  const double length = sqrt(dot(cross, cross));
+  double normal[3];
+  cross(a, b, normal);
+  const double length = sqrt(dot(normal, normal));
   if (!(length > 0.0) || !isfinite(length))
     return asc_fail(error, ASC_INVALID_ARGUMENT, "light %zu has no area", number);
-  tracer_to_camera_direction(&made->view, cross, into->normal);
+  tracer_to_camera_direction(&made->view, normal, into->normal);
   for (int i = 0; i < 3; i++) into->normal[i] /= length;
   for (int i = 0; i < 2; i++) tracer_to_camera_direction(&made->view, world->edges[i], into->given.edges[i]);
   return ASC_OK;
@@ -131,6 +133,7 @@ asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_erro
   asc_status status = take_view(made, &scene->view, error);
   if (status == ASC_OK) status = take_materials(made, scene, error);
   if (status == ASC_OK) status = take_lights(made, scene, error);
+  if (status == ASC_OK) status = transport_take(made, scene, error);
   if (status == ASC_OK) status = tracer_take_motions(made, scene, error);
   if (status == ASC_OK) status = lay_out(made, error);
   return status;

@@ -42,7 +42,7 @@ void block_work_free(block_work *memory) {
 
 packet *block_packet(block_work *memory) { return &memory->rays; }
 
-uint64_t block_shadow_rays(const block_work *memory) { return memory->rays.shadow_rays; }
+ray_counts block_rays(const block_work *memory) { return memory->rays.counts; }
 
 static void add_to_film(block_work *memory) {
   const packet *rays = &memory->rays;

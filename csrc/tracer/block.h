@@ -20,8 +20,8 @@ void block_work_free(block_work *memory);
 /* Its packet, for those who fill it themselves. */
 packet *block_packet(block_work *memory);
 
-/* How many shadow rays were traced with this memory. */
-uint64_t block_shadow_rays(const block_work *memory);
+/* The rays that were traced with this memory, beside those from the eye. */
+ray_counts block_rays(const block_work *memory);
 
 /* The pixels [x, x + columns) x [y, y + rows); at most BLOCK_SIDE columns and rows. */
 typedef struct block {

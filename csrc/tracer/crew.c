@@ -12,13 +12,13 @@ typedef struct crew {
   void *job;
   uint32_t count;
   atomic_ullong next;
-  atomic_ullong shadow_rays;
   atomic_int status;
 } crew;
 
 typedef struct worker {
   crew *shared;
   double cpu_seconds;
+  ray_counts rays;
   pthread_t thread;
 } worker;
 
@@ -33,10 +33,16 @@ static void *work(void *argument) {
     if (status == ASC_OK) status = shared->unit(shared->job, (uint32_t)unit, memory);
   }
   if (status) atomic_store(&shared->status, (int)status);
-  if (memory) (void)atomic_fetch_add(&shared->shadow_rays, block_shadow_rays(memory));
+  if (memory) self->rays = block_rays(memory);
   block_work_free(memory);
   self->cpu_seconds = tracer_thread_cpu_seconds() - begun;
   return NULL;
+}
+
+static void add_cost(crew_cost *cost, const worker *from) {
+  cost->cpu_seconds += from->cpu_seconds;
+  cost->rays.reflection += from->rays.reflection;
+  cost->rays.shadow += from->rays.shadow;
 }
 
 asc_status crew_run(const tracer *made, uint32_t threads, uint32_t count, crew_unit unit, void *job, crew_cost *cost) {
@@ -48,12 +54,10 @@ asc_status crew_run(const tracer *made, uint32_t threads, uint32_t count, crew_u
   uint32_t started = 1;
   while (started < threads && pthread_create(&workers[started].thread, NULL, work, &workers[started]) == 0) started++;
   (void)work(&workers[0]);
-  cost->cpu_seconds += workers[0].cpu_seconds;
-  for (uint32_t i = 1; i < started; i++) {
-    (void)pthread_join(workers[i].thread, NULL);
-    cost->cpu_seconds += workers[i].cpu_seconds;
+  for (uint32_t i = 0; i < started; i++) {
+    if (i > 0) (void)pthread_join(workers[i].thread, NULL);
+    add_cost(cost, &workers[i]);
   }
   free(workers);
-  cost->shadow_rays += atomic_load(&shared.shadow_rays);
   return (asc_status)atomic_load(&shared.status);
 }

@@ -10,7 +10,7 @@ typedef asc_status (*crew_unit)(void *job, uint32_t unit, block_work *memory);
 /* What a crew has done so far. */
 typedef struct crew_cost {
   double cpu_seconds; /* of all threads */
-  uint64_t shadow_rays;
+  ray_counts rays;
 } crew_cost;
 
 /* Does units 0 to count - 1, this thread among `threads`, each with memory for the tracer, and adds to `cost`. Stops at

@@ -136,13 +136,13 @@ void frames_time_range(const tracer *made, const mesh_frames *of, float *begin, 
 
 /* The weight of the corner across from the side from a to b, times the triangle's doubled area. */
 static double weight(const double normal[3], const double a[3], const double b[3], const double point[3]) {
-  double side[3], away[3];
+  double side[3], away[3], turned[3];
   for (int i = 0; i < 3; i++) {
     side[i] = b[i] - a[i];
     away[i] = point[i] - a[i];
   }
-  return normal[0] * (side[1] * away[2] - side[2] * away[1]) + normal[1] * (side[2] * away[0] - side[0] * away[2]) +
-         normal[2] * (side[0] * away[1] - side[1] * away[0]);
+  cross(side, away, turned);
+  return dot(normal, turned);
 }
 
 /* The corners at a time, and the largest coordinate that Embree interpolates between. */

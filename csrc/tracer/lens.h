@@ -6,7 +6,17 @@
 
 #include "aliascope/scene.h"
 
-/* Takes points of the unit square to points of the view's lens, uniform over it; tracer.h says how. */
-void lens_points(const asc_view *view, size_t count, const double (*u)[2], double (*points)[2]);
+#define LENS_BLADES_MOST 64
+
+typedef struct lens {
+  double radius;
+  uint32_t blades;                         /* 0: round */
+  double corners[LENS_BLADES_MOST + 1][2]; /* of a polygon, the first again after the last */
+} lens;
+
+void lens_make(const asc_view *view, lens *made);
+
+/* Takes points of the unit square to points of the lens, uniform over it; tracer.h says how. */
+void lens_points(const lens *through, size_t count, const double (*u)[2], double (*points)[2]);
 
 #endif

@@ -1,14 +1,11 @@
 #include "light.h"
 
-#include <math.h>
-
 #include "concentric.h"
+#include "vector.h"
 
 int light_has_area(const asc_light *given) {
   return given->kind != ASC_LIGHT_POINT && given->kind != ASC_LIGHT_DIRECTIONAL;
 }
-
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* A point of a parallelogram or a disc, uniform by area. */
 static void flat_point(const asc_light *given, const double u[2], double chosen[3]) {
@@ -16,17 +13,6 @@ static void flat_point(const asc_light *given, const double u[2], double chosen[
   if (given->kind == ASC_LIGHT_DISC) (void)asc_to_disc(u, along);
   for (int i = 0; i < 3; i++)
     chosen[i] = given->place[i] + along[0] * given->edges[0][i] + along[1] * given->edges[1][i];
-}
-
-/* Two directions across a third (Duff et al. 2017, "Building an orthonormal basis, revisited"). */
-static void across(const double w[3], double a[3], double b[3]) {
-  const double sign = copysign(1.0, w[2]), c = -1.0 / (sign + w[2]), d = w[0] * w[1] * c;
-  a[0] = 1.0 + sign * w[0] * w[0] * c;
-  a[1] = sign * d;
-  a[2] = -sign * w[0];
-  b[0] = d;
-  b[1] = sign + w[1] * w[1] * c;
-  b[2] = -w[1];
 }
 
 /* A point of the cap of a sphere that is seen from a point, uniform by area, and the normal there. The cap is that with

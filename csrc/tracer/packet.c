@@ -2,11 +2,12 @@
 
 #include <string.h>
 
-#include "lens.h"
+#include "path.h"
 
 void packet_begin(packet *rays) {
   rtcInitIntersectContext(&rays->context);
   rays->context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcInitIntersectContext(&rays->scattered);
 }
 
 /* Rays through the lanes' samples. Perspective: from the eye, t is the depth; orthographic: from the eye's plane. */
@@ -42,7 +43,7 @@ static void move_to_lens(const tracer *made, packet *rays) {
   struct RTCRay16 *ray = &rays->rays.ray;
   double u[PACKET][2];
   for (int i = 0; i < PACKET; i++) memcpy(u[i], rays->further[i] + made->further.lens, sizeof u[i]);
-  lens_points(&made->view, PACKET, (const double(*)[2])u, rays->lens);
+  lens_points(&made->lens, PACKET, (const double(*)[2])u, rays->lens);
   const double nearness = 1.0 / made->view.focus_distance;
   for (int i = 0; i < PACKET; i++) {
     ray->org_x[i] = (float)rays->lens[i][0];
@@ -88,5 +89,5 @@ void packet_trace(const tracer *made, packet *rays) {
   if (made->plain)
     take_emission(made, rays);
   else
-    packet_shade(made, rays);
+    path_follow(made, rays);
 }

@@ -1,4 +1,4 @@
-/* Sixteen rays that are traced together, and the radiance along each. */
+/* Sixteen paths that are traced together, and the radiance along each. */
 #ifndef TRACER_PACKET_H
 #define TRACER_PACKET_H
 
@@ -8,28 +8,40 @@
 
 #define PACKET 16
 
+/* Rays that were traced, beside those from the eye. */
+typedef struct ray_counts {
+  uint64_t reflection; /* along mirrors and in their lobes */
+  uint64_t shadow;
+} ray_counts;
+
+/* How a lane's path has come to where its ray ends. */
+typedef struct path {
+  double throughput[3]; /* the share of the radiance there that the path brings to the eye, over its chances */
+  uint32_t mirrors_left;
+} path;
+
 typedef struct packet {
   alignas(64) struct RTCRayHit16 rays;
   alignas(64) struct RTCRay16 shadows;
-  alignas(64) int valid[PACKET];
+  alignas(64) int valid[PACKET];    /* which lanes have a ray */
   alignas(64) int shadowed[PACKET]; /* which lanes have a shadow ray */
-  struct RTCIntersectContext context;
+  struct RTCIntersectContext context,
+      scattered;                             /* for rays from the eye, and to the lights from what they meet; others */
   double sample_x[PACKET], sample_y[PACKET]; /* where in the picture, in pixels */
   const double *further[PACKET];             /* the samples' other numbers, from the third on, as the layout says */
   double lens[PACKET][2];                    /* points of the lens, along right and up; set where there is one */
   double time[PACKET];                       /* set where something moves */
   uint32_t lanes;                            /* how many are in use, the first ones */
+  double origin[PACKET][3], direction[PACKET][3]; /* of the rays again, in double; unset where the scene is plain */
+  path paths[PACKET];                             /* likewise */
   double radiance[PACKET][3];
-  uint64_t shadow_rays;
+  ray_counts counts;
 } packet;
 
 /* Sets what never changes. */
 void packet_begin(packet *rays);
 
-/* Traces and shades the lanes in use, from sample_x, sample_y and, where the layout has any, `further` to radiance. */
+/* Traces the lanes in use, from sample_x, sample_y and, where the layout has any, `further` to radiance. */
 void packet_trace(const tracer *made, packet *rays);
-
-/* Radiance where more than the primitive matters: patterns, lights, planes. Called by packet_trace. */
-void packet_shade(const tracer *made, packet *rays);
 
 #endif

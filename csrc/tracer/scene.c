@@ -29,7 +29,8 @@ plane plane_of(const double corner[3][3]) {
     a[i] = corner[1][i] - corner[0][i];
     b[i] = corner[2][i] - corner[0][i];
   }
-  plane made = {{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}, 0.0};
+  plane made = {.offset = 0.0};
+  cross(a, b, made.normal);
   const double length = sqrt(dot(made.normal, made.normal));
   for (int i = 0; i < 3; i++) made.normal[i] /= length > 0.0 ? length : 1.0; /* without area it is never met */
   made.offset = dot(made.normal, corner[0]);

@@ -6,11 +6,12 @@
 #define TRACER_SCENE_H
 
 #include <embree3/rtcore.h>
-#include <math.h>
 
+#include "lens.h"
 #include "light.h"
 #include "motion.h"
 #include "tracer.h"
+#include "vector.h"
 
 /* The first three are Embree's geometries; planes have no bounds, so they are met here, in double. */
 enum { TRIANGLES = 0, DISCS = 1, SPHERES = 2, PLANES = 3, GEOMETRY_KINDS = 4 };
@@ -38,13 +39,21 @@ typedef struct part {
   uint32_t *members; /* by primitive, the surface's number among those of its kind */
 } part;
 
+/* How far light is followed. */
+typedef struct transport {
+  uint32_t bounces; /* the most of one path; 0 where no surface sends it on */
+  uint32_t mirror_bounces;
+} transport;
+
 typedef struct mesh_frames mesh_frames;
 
 struct tracer {
   RTCDevice device;
   RTCScene scene;
   asc_view view;
+  lens lens;
   layout further;
+  transport transport;
   asc_material *materials; /* pattern origins relative to the eye, along the world's axes */
   size_t material_count;
   light_source *lights;
@@ -62,7 +71,7 @@ struct tracer {
   uint32_t *frame_member;                       /* by triangle, where frames.h has it among those of its motion */
   part *parts; /* by Embree's geometry; NULL where nothing moves: there it is the kind, with all its surfaces */
   size_t part_count;
-  int plain; /* no pattern, light or plane: what Embree finds is all that shading needs */
+  int plain; /* no pattern, light, plane or bounce: what Embree finds is all that shading needs */
   double build_cpu_seconds;
 };
 
@@ -96,10 +105,6 @@ static inline const asc_motion *tracer_motion(const tracer *made, surface of) {
 /* Turns a point or a direction of the world into the camera's frame. */
 void tracer_to_camera(const asc_view *view, const double world[3], double camera[3]);
 void tracer_to_camera_direction(const asc_view *view, const double world[3], double camera[3]);
-
-static inline double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-static inline int finite3(const double v[3]) { return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]); }
 
 double tracer_thread_cpu_seconds(void);
 

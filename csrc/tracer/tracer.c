@@ -119,6 +119,16 @@ static asc_status render(const tracer *made, const tracer_desc *desc, uint64_t s
   return status;
 }
 
+static tracer_cost cost_of(const tracer *made, uint64_t samples, const crew_cost *spent, double wall_seconds) {
+  return (tracer_cost){.samples = samples,
+                       .primary_rays = samples,
+                       .reflection_rays = spent->rays.reflection,
+                       .shadow_rays = spent->rays.shadow,
+                       .cpu_seconds = spent->cpu_seconds,
+                       .wall_seconds = wall_seconds,
+                       .build_cpu_seconds = made->build_cpu_seconds};
+}
+
 asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, tracer_cost *cost, asc_error *error) {
   if (!made || !desc || desc->struct_size != sizeof *desc || !desc->sampler || !pixels)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_render: the desc needs its struct_size and a sampler");
@@ -134,10 +144,7 @@ asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, t
   if (status)
     return asc_fail(error, status, status == ASC_OUT_OF_MEMORY ? "%s" : "the sampler failed: %s",
                     asc_status_text(status));
-  if (cost)
-    *cost = (tracer_cost){
-        samples,          samples, spent.cpu_seconds, seconds(CLOCK_MONOTONIC) - begun, made->build_cpu_seconds,
-        spent.shadow_rays};
+  if (cost) *cost = cost_of(made, samples, &spent, seconds(CLOCK_MONOTONIC) - begun);
   return ASC_OK;
 }
 
@@ -162,9 +169,6 @@ asc_status tracer_render_adaptive(tracer *made, const tracer_adaptive_desc *desc
   if (status)
     return asc_fail(error, status, status == ASC_OUT_OF_MEMORY ? "%s" : "the estimate failed: %s",
                     asc_status_text(status));
-  if (cost)
-    *cost = (tracer_cost){
-        samples,          samples, spent.cpu_seconds, seconds(CLOCK_MONOTONIC) - begun, made->build_cpu_seconds,
-        spent.shadow_rays};
+  if (cost) *cost = cost_of(made, samples, &spent, seconds(CLOCK_MONOTONIC) - begun);
   return ASC_OK;
 }

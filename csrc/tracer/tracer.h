@@ -48,6 +48,7 @@ typedef struct tracer_cost {
   double wall_seconds;
   double build_cpu_seconds; /* of the acceleration structure */
   uint64_t shadow_rays;
+  uint64_t reflection_rays; /* along mirrors */
 } tracer_cost;
 
 /* Renders into `pixels`, [height][width][3] float, linear RGB, summed in double. With the box, each pixel's mean. With

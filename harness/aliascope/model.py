@@ -329,6 +329,7 @@ class Needs(Part):
     mirror: bool
     gloss: bool
     diffuse_bounces: int
+    mirror_bounces: int
 
     @property
     def groups(self) -> tuple[int, ...]:
@@ -391,6 +392,7 @@ class Scene(Part):
             mirror=any(each.gloss is None for each in mirrors),
             gloss=any(each.gloss is not None for each in mirrors),
             diffuse_bounces=self.transport.diffuse_bounces if self._scatters(used) else 0,
+            mirror_bounces=self.transport.mirror_bounces if mirrors else 0,
         )
 
     def _scatters(self, used: set[str]) -> bool:

@@ -138,6 +138,9 @@ static void test_what_only_the_tracer_draws_is_refused(void **state) {
   s->scene.motion_count = 1;
   refused_as(s, ASC_UNSUPPORTED, "move");
   s = crowd(&sphere, 1, 1);
+  s->materials[0].reflection[1] = 0.1;
+  refused_as(s, ASC_UNSUPPORTED, "mirrors");
+  s = crowd(&sphere, 1, 1);
   s->lights[0].kind = ASC_LIGHT_SPHERE;
   refused_as(s, ASC_UNSUPPORTED, "has an area");
 }

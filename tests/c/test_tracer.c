@@ -258,6 +258,18 @@ static void broken_scenes_are_refused(void **state) {
   materials[0].emission[1] = INFINITY;
   assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
   materials[0].emission[1] = 1;
+  const double shares[] = {-0.1, 0.7, NAN};
+  for (int i = 0; i < 3; i++) {
+    materials[0].albedo[2] = 0.5;
+    materials[0].reflection[2] = shares[i];
+    assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, i == 2 ? "not finite" : "reflection"));
+  }
+  materials[0].reflection[2] = 0;
+  scene.transport.mirror_bounces = 65;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "64 mirror bounces"));
+  scene.transport.mirror_bounces = 0;
   scene.view.width = 0;
   assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
   scene.view.width = 8;

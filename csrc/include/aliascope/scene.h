@@ -2,8 +2,9 @@
  *
  * World: right-handed, y up. Pictures: row 0 on top, pixel (x, y) covers [x, x+1) x [y, y+1), so the picture position
  * (px, py) lies at (2 px / width - 1) half_width along `right` and (1 - 2 py / height) half_height along `up`.
- * Shading: pattern(p) (emission + albedo sum over lights of intensity max(0, n . l) visibility), pattern(p) being 1
- * where a material has none, n the geometric normal turned toward the viewer: light from the other side gives 0. A
+ * Shading: pattern(p) (emission + albedo sum over lights of intensity max(0, n . l) visibility) + reflection (what is
+ * seen along the mirrored ray), pattern(p) being 1 where a material has none, n the geometric normal turned toward the
+ * viewer: light from the other side gives 0. Mirrors show surfaces and the background; `lights` are never seen. A
  * renderer refuses what it can't draw; nothing is dropped here.
  */
 #ifndef ASC_SCENE_H
@@ -53,7 +54,8 @@ typedef struct asc_pattern {
 typedef struct asc_material {
   double emission[3]; /* linear RGB */
   asc_pattern pattern;
-  double albedo[3]; /* linear RGB */
+  double albedo[3];     /* linear RGB */
+  double reflection[3]; /* linear RGB, the share of light that is mirrored; with albedo times pattern at most 1 */
 } asc_material;
 
 /* Each surface names its material by index. All surfaces are seen from both sides. */
@@ -118,6 +120,11 @@ typedef struct asc_light {
   double radius; /* of a sphere */
 } asc_light;
 
+/* How far light is followed. */
+typedef struct asc_transport {
+  uint32_t mirror_bounces; /* up to 64 reflections of a path; past them there is no light. 0: mirrors are black */
+} asc_transport;
+
 typedef struct asc_scene {
   size_t struct_size;
   asc_view view;
@@ -138,6 +145,7 @@ typedef struct asc_scene {
   size_t motion_count;
   /* For each surface of a kind: 0 where it stands still, else one more than the index of its motion. NULL: all do. */
   const uint32_t *triangle_motion, *disc_motion, *sphere_motion, *plane_motion;
+  asc_transport transport;
 } asc_scene;
 
 #endif

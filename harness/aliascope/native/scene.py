@@ -64,6 +64,7 @@ def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]
     packed.spheres, packed.sphere_count = spheres, len(surfaces.spheres)
     packed.planes, packed.plane_count = planes, len(surfaces.planes)
     packed.lights, packed.light_count = lights, len(scene.lights)
+    packed.transport.mirror_bounces = scene.needs().mirror_bounces
     keep = [materials, discs, spheres, planes, lights, vertices, triangle_material]
     if scene.needs().shutter:
         keep += _pack_motions(ffi, packed, scene, surfaces)
@@ -123,6 +124,7 @@ def _light(ffi: Any, light: AnyLight) -> dict[str, Any]:
 
 def _pack_material(ffi: Any, target: Any, material: Material) -> None:
     target.emission, target.albedo = list(material.emission), list(material.albedo)
+    target.reflection = list(material.reflection)
     kinds = ffi.typeof("asc_pattern_kind").relements
     names = {ZonePlate: "ASC_PATTERN_ZONE_PLATE", Checker: "ASC_PATTERN_CHECKER"}
     if material.pattern is None:

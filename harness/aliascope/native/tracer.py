@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from aliascope.records import Counts, Pixels
 
 DRAWS = frozenset(
     {
-        *("orthographic", "perspective", "lens", "motion", "mesh of frames"),
+        *("orthographic", "perspective", "lens", "motion", "mesh of frames", "mirror"),
         *("polygon", "mesh", "disc", "sphere", "plane"),
         *("zone-plate", "checker"),
         *("point light", "directional light", "area light", "disc light", "sphere light"),
@@ -36,8 +36,8 @@ def embree_version() -> str:
 
 @dataclass(frozen=True)
 class TracerCost:
-    """Of one picture: all samples, those beyond its border too, primary and shadow rays; CPU time of the rendering
-    threads, without `build_cpu_seconds`."""
+    """Of one picture: all samples, those beyond its border too, rays by kind; CPU time of the rendering threads,
+    without `build_cpu_seconds`."""
 
     samples: int
     primary_rays: int
@@ -45,6 +45,7 @@ class TracerCost:
     wall_seconds: float
     build_cpu_seconds: float
     shadow_rays: int
+    reflection_rays: int
 
 
 class Tracer:
@@ -129,5 +130,4 @@ class Tracer:
 
 
 def _cost(cost: Any) -> TracerCost:
-    names = ("samples", "primary_rays", "cpu_seconds", "wall_seconds", "build_cpu_seconds", "shadow_rays")
-    return TracerCost(**{name: getattr(cost, name) for name in names})
+    return TracerCost(**{field.name: getattr(cost, field.name) for field in fields(TracerCost)})

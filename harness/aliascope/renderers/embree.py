@@ -95,12 +95,22 @@ class Embree:
             samples_per_pixel=(
                 float(request.mode.integer("n")) if counts is None else first.samples / (request.width * request.height)
             ),
-            rays={"primary": first.primary_rays} | ({"shadow": first.shadow_rays} if request.scene.lights else {}),
+            rays=_rays(request.scene, first),
             cpu_seconds=cpu_seconds / repeats,
             wall_seconds=wall_seconds / repeats,
             repeats=repeats,
         )
         return Rendering(pixels, cost, counts=counts)
+
+
+def _rays(scene: Scene, cost: tracer.TracerCost) -> dict[str, int]:
+    """By kind: those that the scene needs."""
+    needs, rays = scene.needs(), {"primary": cost.primary_rays}
+    if needs.mirror:
+        rays["reflection"] = cost.reflection_rays
+    if scene.lights:
+        rays["shadow"] = cost.shadow_rays
+    return rays
 
 
 def _draw(built: tracer.Tracer, request: Request) -> tuple[Pixels, Counts | None, tracer.TracerCost]:

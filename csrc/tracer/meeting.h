@@ -1,0 +1,35 @@
+/* Where rays end, in double: Embree says which surface a ray meets, shading needs the point itself. */
+#ifndef TRACER_MEETING_H
+#define TRACER_MEETING_H
+
+#include "packet.h"
+
+typedef struct meeting {
+  const asc_material *material; /* NULL: nowhere */
+  surface of;
+  double point[3];
+  double rest[3];   /* where the surface had that point at time 0 */
+  double normal[3]; /* of length 1, toward where the ray came from */
+  double distance;  /* in lengths of the ray's direction */
+  double slack;     /* how far Embree's surface may be off for its motion in straight lines */
+  double colour[3]; /* of the pattern */
+} meeting;
+
+/* The nearest of what Embree met and of the planes, along a lane's ray. Where there is none, `material` alone is set.
+ */
+void meeting_find(const tracer *made, const packet *rays, uint32_t lane, meeting *met);
+
+/* The colour of a material's pattern where its surface had a point at time 0: white where it has none. */
+void meeting_colour(const tracer *made, const asc_material *material, const double rest[3], double colour[3]);
+
+/* How far Embree's surface may be off, for its motion in straight lines, round a point that it had at time 0. */
+double meeting_slack(const tracer *made, const asc_motion *motion, const double rest[3]);
+
+/* A point of a surface moved along its normal by more than float can have moved the surface. */
+void meeting_lift(const double point[3], const double normal[3], double slack, double lifted[3]);
+
+/* Whether an endless plane lies on the way. */
+int meeting_planes_block(const tracer *made, double time, const double origin[3], const double toward[3],
+                         double distance);
+
+#endif
