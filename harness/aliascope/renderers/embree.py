@@ -56,6 +56,7 @@ class Embree:
     probe_mode = "uniform:n=256,sampler=regular"
     single_mode = "uniform:n=1,sampler=regular"
     idles = False
+    absent: Mapping[str, str] = {}
 
     def versions(self) -> Mapping[str, str]:
         return {"embree": tracer.embree_version()}
