@@ -33,7 +33,8 @@ say = echo "  $(1) $@"
 objects = $(patsubst csrc/%.c,$(OBJECTS)/%.o,$(wildcard csrc/$(1)/*.c))
 LIBRARY_OBJECTS := $(foreach part,sampler filter discrepancy warp estimate,$(call objects,$(part)))
 TRACER_OBJECTS := $(call objects,tracer)
-RASTER_OBJECTS := $(call objects,raster)
+# Where what moves is at a time, the two renderers say by the same code.
+RASTER_OBJECTS := $(call objects,raster) $(OBJECTS)/tracer/motion.o
 C_TESTS := $(patsubst tests/c/%.c,$(OBJECTS)/%,$(wildcard tests/c/test_*.c))
 C_BENCHES := $(patsubst tests/bench/%.c,$(OBJECTS)/%,$(wildcard tests/bench/bench_*.c))
 BINDINGS := $(BUILD)/bindings.stamp

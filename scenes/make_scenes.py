@@ -74,6 +74,148 @@ def comb() -> str:
     return text
 
 
+def surface(kind: str, material: str, motion: str = "", **numbers: object) -> str:
+    lines = [f"{key} = {value!r}" for key, value in numbers.items()]
+    moves = [f"motion = {motion}"] if motion else []
+    return "\n".join(["\n[[surfaces]]", f'type = "{kind}"', f'material = "{material}"', *lines, *moves]) + "\n"
+
+
+def disc(material: str, x: float, y: float, z: float, radius: float, motion: str = "") -> str:
+    return surface("disc", material, motion, centre=[round(c, 9) for c in (x, y, z)], radius=round(radius, 9))
+
+
+def solid(material: str, points: list[tuple[float, float, float]], motion: str = "") -> str:
+    corners = [[round(c, 9) for c in point] for point in points]
+    return surface("polygon", material, motion, points=corners)
+
+
+FOCUS, LENS = 7.3137, 0.4319
+
+
+def depth_of_field() -> str:
+    """Seven columns of an edge, a disc and a light point, nearer to farther: their circles of confusion have radii of
+    5.2 pixels down to a twentieth of one and up again, and keep apart on the picture."""
+    fov, eye = 33.71, (0.0713, 0.0419, FOCUS)
+    pixel = 2.0 * math.tan(math.radians(fov) / 2) / 96
+    text = (
+        COMMAND
+        + 'title = "Depth of field"\nshows = "Leaning edges, discs and points of light in a row through the focus of a '
+        + 'lens: sharp in the middle, and blurred by its disc in front and behind."\n'
+        + "\n[view]\nsize = [128, 96]\nbackground = [0.0371, 0.0433, 0.0619]\n"
+        + f'\n[camera]\ntype = "perspective"\neye = [{eye[0]}, {eye[1]}, {eye[2]}]\n'
+        + f"look_at = [{eye[0]}, {eye[1]}, 0.0]\nvertical_fov_degrees = {fov}\n"
+        + f"lens_radius = {LENS}\nfocus_distance = {FOCUS}\n"
+    )
+    bars = [(0.9137, 0.3319, 0.2371), (0.9419, 0.6173, 0.2137), (0.8719, 0.8337, 0.4391), (0.9231, 0.9173, 0.8819)]
+    bars += [(0.4719, 0.8371, 0.5713), (0.2937, 0.6719, 0.8933), (0.5137, 0.4733, 0.9271)]
+    text += "\n[materials.spark]\nemission = [7.1937, 6.4319, 5.1733]\n"
+    for k, colour in enumerate(bars):
+        text += f"\n[materials.colour{k}]\nemission = [{', '.join(map(str, colour))}]\n"
+    for k, blur_px in enumerate((5.213, 3.519, 1.737, 0.0519, -1.7733, -3.4419, -5.1371)):
+        depth = 1.0 / (1.0 / FOCUS + blur_px * pixel / LENS)
+        middle = -53.27 + 17.719 * k
+
+        def at(x_px: float, y_px: float, depth: float = depth) -> tuple[float, float, float]:
+            return eye[0] + x_px * pixel * depth, eye[1] + y_px * pixel * depth, eye[2] - depth
+
+        lean = 2.137 + 0.319 * math.sin(5.3 * k)
+        low, high = 3.719 + 0.833 * math.cos(3.1 * k), 38.371 + 0.719 * math.sin(2.7 * k)
+        corners = [(-3.917, low), (3.733, low + 1.319), (3.733 + lean, high), (-3.917 + lean, high - 1.873)]
+        text += solid(f"colour{k}", [at(middle + x, y) for x, y in corners])
+        down = -16.319 - 1.237 * math.sin(1.9 * k)
+        text += disc(f"colour{k}", *at(middle + 0.173 * math.sin(4.1 * k), down), 4.1371 * pixel * depth)
+        text += disc("spark", *at(middle + 0.619, -36.873 + 1.137 * math.cos(2.3 * k)), 0.6719 * pixel * depth)
+    return text
+
+
+SPOKES = 7
+
+
+def wheel(x: float, y: float, turn: float, scale: float, motion: str) -> str:
+    """Spokes before a dark plate, a bright ring of short bars outside, a hub."""
+
+    def at(radius: float, angle: float, z: float) -> tuple[float, float, float]:
+        return x + scale * radius * math.cos(angle), y + scale * radius * math.sin(angle), z
+
+    text = disc("plate", x, y, 0.0, 0.4937 * scale, motion)
+    for k in range(SPOKES):
+        middle = turn + 2 * math.pi * k / SPOKES
+        thin, wide = 0.313 - 0.0171 * k, 0.0919 + 0.0083 * k
+        spoke = [at(0.0731, middle - thin, 0.1), at(0.4519, middle - wide, 0.1)]
+        spoke += [at(0.4519, middle + wide, 0.1), at(0.0731, middle + thin, 0.1)]
+        text += solid("lacquer" if k == 0 else "spoke", spoke, motion)
+    return text + disc("hub", x, y, 0.2, 0.1137 * scale, motion)
+
+
+def motion_blur() -> str:
+    """One wheel that slides and one that turns, while the shutter is open for two thirds of the time."""
+    text = (
+        COMMAND
+        + 'title = "Motion blur"\nshows = "Two wheels under an open shutter: one slides to the right, its spokes blur '
+        + 'by how much they stand across its way; one turns, and its spokes blur toward the rim."\n'
+        + FLAT.format(background="0.3719, 0.4337, 0.5173")
+        + "shutter = [0.1137, 0.7819]\n"
+    )
+    colours = {
+        "plate": "0.0719, 0.0633, 0.0571",
+        "spoke": "0.8937, 0.8519, 0.7371",
+        "lacquer": "0.9173, 0.2419, 0.1337",
+    }
+    for name, colour in (colours | {"hub": "0.6319, 0.5137, 0.2733"}).items():
+        text += f"\n[materials.{name}]\nemission = [{colour}]\n"
+    text += wheel(-0.7373, 0.1937, 0.2719, 1.1419, '{ type = "translate", by = [0.2937, -0.0713, 0.0] }')
+    centre = (0.6619, -0.1873)
+    turning = f"axis = [0.0, 0.0, 1.0], centre = [{centre[0]}, {centre[1]}, 0.0], degrees = 28.73"
+    return text + wheel(*centre, 0.4133, 1.2419, '{ type = "rotate", ' + turning + " }")
+
+
+def emissions(colours: dict[str, str]) -> str:
+    return "".join(f"\n[materials.{name}]\nemission = [{colour}]\n" for name, colour in colours.items())
+
+
+def soft_shadow() -> str:
+    """A fence of seven boards and two rails on a floor, under a parallelogram of light."""
+    text = (
+        COMMAND
+        + 'title = "Soft shadow"\nshows = "A fence of straight boards between a floor and a lamp with an area: its '
+        + 'shadow is sharp where a board stands on the floor and fades with the distance from it."\n'
+        + "\n[view]\nsize = [128, 96]\nbackground = [0.2931, 0.3617, 0.4573]\n"
+        + '\n[camera]\ntype = "perspective"\neye = [0.5719, 2.6173, 3.9137]\nlook_at = [0.1033, 0.2719, 0.2977]\n'
+        + "vertical_fov_degrees = 33.71\n"
+        + "\n[materials.floor]\nalbedo = [0.7419, 0.7173, 0.6637]\nemission = [0.0393, 0.0437, 0.0519]\n"
+        + "\n[materials.board]\nalbedo = [0.7713, 0.4119, 0.2527]\nemission = [0.2137, 0.1091, 0.0673]\n"
+    )
+    text += solid(
+        "floor", [(-2.7137, 0.0, -1.6719), (2.8371, 0.0, -1.5733), (2.6917, 0.0, 2.6379), (-2.5319, 0.0, 2.8371)]
+    )
+    start, along = (-1.2719, -0.4137), (0.9719, -0.2355)
+
+    def at(way: float, height: float, off: float = 0.0) -> tuple[float, float, float]:
+        return start[0] + along[0] * way - along[1] * off, height, start[1] + along[1] * way + along[0] * off
+
+    for k in range(7):
+        left, lean = 0.3937 * k + 0.0171 * math.sin(5.1 * k), 0.0137 * math.cos(3.7 * k)
+        right, top = left + 0.1519, 0.8137 + 0.0433 * math.sin(2.9 * k)
+        text += solid(
+            "board",
+            [
+                at(left, 0.0),
+                at(right, 0.0),
+                at(right + lean, top),
+                at((left + right) / 2 + lean, top + 0.1173),
+                at(left + lean, top),
+            ],
+        )
+    for height in (0.1937, 0.5719):
+        rail = [at(-0.1173, height, -0.0319), at(2.6719, height + 0.0137, -0.0319)]
+        text += solid("board", [*rail, at(2.6719, height + 0.1019, -0.0319), at(-0.1173, height + 0.0937, -0.0319)])
+    return (
+        text
+        + '\n[[lights]]\ntype = "area"\ncorner = [-2.1137, 1.9319, -2.7719]\n'
+        + "edges = [[0.9371, 0.0, 0.1719], [-0.0713, 0.5137, -0.4319]]\nintensity = [1.3937, 1.2933, 1.1319]\n"
+    )
+
+
 def terrain_mesh() -> trimesh.Trimesh:
     """A height field of 224 x 224 cells: hills, and ridges down to the size of a cell."""
     cells = 224
@@ -94,6 +236,9 @@ def terrain_mesh() -> trimesh.Trimesh:
 def main() -> None:
     (HERE / "siemens-star.toml").write_text(siemens_star())
     (HERE / "comb.toml").write_text(comb())
+    (HERE / "depth-of-field.toml").write_text(depth_of_field())
+    (HERE / "motion-blur.toml").write_text(motion_blur())
+    (HERE / "soft-shadow.toml").write_text(soft_shadow())
     terrain_mesh().export(HERE / "terrain.ply", encoding="binary", vertex_normal=False)
 
 

@@ -2,8 +2,12 @@
 
 #include <math.h>
 
-camera camera_create(const asc_view *view) {
+camera camera_create(const asc_view *view, const double lens[2]) {
   camera made = {.view = view, .perspective = view->projection == ASC_PERSPECTIVE};
+  for (int i = 0; lens && view->lens_radius > 0.0 && i < 2; ++i) {
+    made.lens[i] = lens[i];
+    made.skew[i] = lens[i] / view->focus_distance;
+  }
   made.margin_x = 4.0 / view->width;
   made.margin_y = 4.0 / view->height;
   made.guard_x = 1.5 + 2.0 * made.margin_x;
@@ -24,6 +28,8 @@ void camera_direction(const camera *from, const double world[3], double local[3]
 void camera_point(const camera *from, const double world[3], double local[3]) {
   double offset[3] = {world[0] - from->view->eye[0], world[1] - from->view->eye[1], world[2] - from->view->eye[2]};
   camera_direction(from, offset, local);
+  local[0] -= from->lens[0];
+  local[1] -= from->lens[1];
 }
 
 void make_unit(double v[3]) {
@@ -42,7 +48,9 @@ size_t camera_clip(const camera *by, const double (*corners)[3], size_t count, c
   double largest = 0.0;
   for (size_t i = 0; i < count; ++i) {
     const double *p = corners[i];
-    clip_vertex v = {p[0] / by->view->half_width, p[1] / by->view->half_height, by->perspective ? p[2] : 1.0, p[2]};
+    const double x = p[0] + by->skew[0] * p[2];
+    const double y = p[1] + by->skew[1] * p[2];
+    clip_vertex v = {x / by->view->half_width, y / by->view->half_height, by->perspective ? p[2] : 1.0, p[2]};
     clipped[i] = v;
     largest = fmax(largest, fmax(fabs(p[0]), fmax(fabs(p[1]), fabs(p[2]))));
   }
@@ -122,11 +130,11 @@ bool camera_disc(const camera *by, const double centre[3], const double normal[3
 }
 
 /* The slopes s = x / z of the two lines through the eye that touch the circle of this radius around (x, z):
- * (x - s z)^2 = radius^2 (1 + s^2). Where the circle reaches the eye's plane, everything up to the guard. */
-static void tangents(double x, double z, double radius, double guard, double *low, double *high) {
+ * (x - s z)^2 = radius^2 (1 + s^2). Where the circle reaches the eye's plane, everything. */
+static void tangents(double x, double z, double radius, double *low, double *high) {
   if (z <= radius) {
-    *low = -guard;
-    *high = guard;
+    *low = -INFINITY;
+    *high = INFINITY;
     return;
   }
   double square = (z - radius) * (z + radius);
@@ -149,17 +157,17 @@ bool camera_sphere(const camera *by, const double centre[3], double radius, rect
     depth->farthest = centre[2] + radius;
     return fit(by, box);
   }
-  double guard_x = by->guard_x * half_width;
-  double guard_y = by->guard_y * half_height;
-  tangents(centre[0], centre[2], radius, guard_x, &box->low_x, &box->high_x);
-  tangents(centre[1], centre[2], radius, guard_y, &box->low_y, &box->high_y);
-  box->low_x /= half_width;
-  box->high_x /= half_width;
-  box->low_y /= half_height;
-  box->high_y /= half_height;
+  tangents(centre[0], centre[2], radius, &box->low_x, &box->high_x);
+  tangents(centre[1], centre[2], radius, &box->low_y, &box->high_y);
+  box->low_x = (box->low_x + by->skew[0]) / half_width;
+  box->high_x = (box->high_x + by->skew[0]) / half_width;
+  box->low_y = (box->low_y + by->skew[1]) / half_height;
+  box->high_y = (box->high_y + by->skew[1]) / half_height;
   /* No point of the sphere is nearer to the eye than this, and within the picture z is at least this part of it. */
-  double gap = fabs(sqrt(dot(centre, centre)) - radius);
-  depth->nearest = fmax(centre[2] - radius, gap / sqrt(1.0 + guard_x * guard_x + guard_y * guard_y));
+  const double gap = fabs(sqrt(dot(centre, centre)) - radius);
+  const double steepest_x = by->guard_x * half_width + fabs(by->skew[0]);
+  const double steepest_y = by->guard_y * half_height + fabs(by->skew[1]);
+  depth->nearest = fmax(centre[2] - radius, gap / sqrt(1.0 + steepest_x * steepest_x + steepest_y * steepest_y));
   depth->farthest = centre[2] + radius;
   return fit(by, box);
 }
@@ -173,8 +181,8 @@ bool camera_plane(const camera *by, const double normal[3], double offset, recta
   double low = INFINITY;
   double high = -INFINITY;
   for (int corner = 0; corner < 4; ++corner) {
-    double u = by->view->half_width * (corner % 2 ? all.high_x : all.low_x);
-    double v = by->view->half_height * (corner / 2 ? all.high_y : all.low_y);
+    double u = by->view->half_width * (corner % 2 ? all.high_x : all.low_x) - by->skew[0];
+    double v = by->view->half_height * (corner / 2 ? all.high_y : all.low_y) - by->skew[1];
     double across = normal[0] * u + normal[1] * v;
     double here = by->perspective ? (across + normal[2]) / offset : (offset - across) / normal[2];
     low = fmin(low, here);

@@ -10,6 +10,8 @@
 typedef struct camera {
   const asc_view *view;
   bool perspective;
+  double lens[2]; /* the eye's place, along right and up from the middle of the lens; 0 where there is none */
+  double skew[2]; /* what the picture position of a ray has beyond its slope, for the point of the lens: scene.h */
   /* How far beyond [-1, 1] is kept: half a picture, and at least four pixels, so that no pass moves a cut edge in. */
   double guard_x, guard_y;
   double margin_x, margin_y; /* two pixels: by this a rectangle around a round surface is larger than the surface */
@@ -25,7 +27,8 @@ typedef struct range {
   double nearest, farthest;
 } range;
 
-camera camera_create(const asc_view *view);
+/* lens: the eye's place on the view's lens, along right and up from its middle; NULL: in the middle. */
+camera camera_create(const asc_view *view, const double lens[2]);
 
 /* World to camera: x along right, y along up, z along forward from the eye. */
 void camera_point(const camera *from, const double world[3], double local[3]);

@@ -16,6 +16,7 @@ typedef struct corner {
 typedef struct builder {
   const asc_scene *scene;
   camera eye;
+  const turn *turns;
   geometry *made;
   corner *corners;
   size_t count, capacity;
@@ -200,6 +201,7 @@ static bool add_batch(builder *b, size_t batch) {
     if (material->pattern.kind != kind.pattern || lit != kind.lit) {
       continue;
     }
+    b->made->has_surfaces[batch] = true;
     if (!reserve(b)) {
       return false;
     }
@@ -214,8 +216,8 @@ static void set_maps(const builder *b) {
   geometry *made = b->made;
   made->scale[0] = 2.0 * view->half_width / view->width;
   made->scale[1] = -2.0 * view->half_height / view->height;
-  made->base[0] = -view->half_width;
-  made->base[1] = view->half_height;
+  made->base[0] = -view->half_width - b->eye.skew[0];
+  made->base[1] = view->half_height - b->eye.skew[1];
   if (!(b->depth.nearest <= b->depth.farthest)) {
     return; /* nothing is in the picture, and no depth is asked for */
   }
@@ -254,7 +256,7 @@ static asc_status finish(builder *b, asc_error *error) {
                     b->count);
   }
   set_maps(b);
-  made->vertices = calloc(b->count + 1, sizeof *made->vertices);
+  made->vertices = calloc(b->count + EMPTY_TRIANGLE, sizeof *made->vertices);
   if (!made->vertices) {
     return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu vertices", b->count);
   }
@@ -276,6 +278,33 @@ static void copy_colour(float to[4], const double from[3]) {
   }
 }
 
+static void unturn(const turn *by, const double moved[3], double rest[3]) {
+  for (int i = 0; i < 3; ++i) { /* the inverse of a rotation is its transpose */
+    rest[i] = by->matrix[0][i] * moved[0] + by->matrix[1][i] * moved[1] + by->matrix[2][i] * moved[2];
+  }
+}
+
+/* Where a checker's origin lies from the eye, along the axes of the world. */
+static void checker_origin(const camera *eye, const double origin[3], double found[3]) {
+  const asc_view *view = eye->view;
+  for (int i = 0; i < 3; ++i) {
+    found[i] = origin[i] - view->eye[i];
+    found[i] -= eye->lens[0] * view->right[i] + eye->lens[1] * view->up[i];
+  }
+}
+
+/* Takes a checker to the axes of its surface. */
+static void turn_checker(const builder *b, size_t material) {
+  const asc_view *view = &b->scene->view;
+  const double *world[3] = {view->right, view->up, view->forward};
+  for (int column = 0; column < 3; ++column) {
+    unturn(&b->turns[material], world[column], b->made->axes[material].columns[column]);
+  }
+  double *origin = b->made->materials[material].origin;
+  const double untouched[3] = {origin[0], origin[1], origin[2]};
+  unturn(&b->turns[material], untouched, origin);
+}
+
 static void set_materials(const builder *b) {
   for (size_t i = 0; i < b->scene->material_count; ++i) {
     const asc_material *from = &b->scene->materials[i];
@@ -283,13 +312,17 @@ static void set_materials(const builder *b) {
     copy_colour(to->emission, from->emission);
     copy_colour(to->albedo, from->albedo);
     if (from->pattern.kind != ASC_PATTERN_NONE) {
-      camera_point(&b->eye, from->pattern.origin, to->origin);
-      for (int k = 0; k < 3 && from->pattern.kind == ASC_PATTERN_CHECKER; ++k) {
-        to->origin[k] = from->pattern.origin[k] - b->scene->view.eye[k];
+      if (from->pattern.kind == ASC_PATTERN_CHECKER) {
+        checker_origin(&b->eye, from->pattern.origin, to->origin);
+      } else {
+        camera_point(&b->eye, from->pattern.origin, to->origin);
       }
       to->scale = from->pattern.scale;
       copy_colour(to->low, from->pattern.low);
       copy_colour(to->high, from->pattern.high);
+    }
+    if (b->turns && from->pattern.kind == ASC_PATTERN_CHECKER) {
+      turn_checker(b, i);
     }
   }
 }
@@ -302,7 +335,8 @@ static asc_status build(builder *b, asc_error *error) {
   /* One more than needed: a buffer of OpenGL is never empty. */
   made->surfaces = calloc(surfaces + 1, sizeof *made->surfaces);
   made->materials = calloc(scene->material_count + 1, sizeof *made->materials);
-  if (!made->surfaces || !made->materials) {
+  made->axes = b->turns ? calloc(scene->material_count + 1, sizeof *made->axes) : NULL;
+  if (!made->surfaces || !made->materials || (b->turns && !made->axes)) {
     return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu surfaces", surfaces);
   }
   set_materials(b);
@@ -315,9 +349,10 @@ static asc_status build(builder *b, asc_error *error) {
   return finish(b, error);
 }
 
-asc_status geometry_create(const asc_scene *scene, geometry *made, asc_error *error) {
+asc_status geometry_create(const asc_scene *scene, const camera *eye, const turn *turns, geometry *made,
+                           asc_error *error) {
   memset(made, 0, sizeof *made);
-  builder b = {.scene = scene, .eye = camera_create(&scene->view), .made = made, .depth = {INFINITY, 0.0}};
+  builder b = {.scene = scene, .eye = *eye, .turns = turns, .made = made, .depth = {INFINITY, 0.0}};
   asc_status status = build(&b, error);
   free(b.corners);
   if (status != ASC_OK) {
@@ -330,5 +365,6 @@ void geometry_destroy(geometry *made) {
   free(made->vertices);
   free(made->surfaces);
   free(made->materials);
+  free(made->axes);
   memset(made, 0, sizeof *made);
 }

@@ -16,6 +16,8 @@
 
 #include "aliascope/base.h"
 #include "aliascope/scene.h"
+#include "camera.h"
+#include "moment.h"
 
 typedef enum shape { SHAPE_TRIANGLE = 0, SHAPE_DISC = 1, SHAPE_SPHERE = 2, SHAPE_PLANE = 3, SHAPE_COUNT = 4 } shape;
 
@@ -32,6 +34,9 @@ static inline batch_kind batch_at(size_t batch) {
   batch_kind kind = {(shape)(batch / BATCHES_OF_SHAPE), (asc_pattern_kind)(batch / 2 % PATTERN_COUNT), batch % 2 == 1};
   return kind;
 }
+
+/* After the last batch there are so many vertices more, of a triangle that covers nothing. */
+enum { EMPTY_TRIANGLE = 3 };
 
 typedef struct vertex {
   float position[3]; /* normalised device coordinates; y as in the picture, down; z the reversed depth */
@@ -50,24 +55,34 @@ typedef struct surface_record {
 
 /* Laid out as `Material` in shaders.c (std430). */
 typedef struct material_record {
-  double origin[3], scale; /* origin: zone plate in camera coordinates, checker from the eye along the world's axes */
+  /* origin: of a zone plate in camera coordinates, of a checker from the eye, along its surface's axes */
+  double origin[3], scale;
   float emission[4], low[4], high[4], albedo[4];
 } material_record;
 
+/* The axes of a checker's surface, which were those of the world at time 0: right, up and forward of the camera along
+ * them. Laid out as an element of `Axes` in shaders.c (std430). */
+typedef struct checker_axes {
+  double columns[3][4];
+} checker_axes;
+
 typedef struct geometry {
   vertex *vertices;
-  size_t first[BATCH_COUNT + 1]; /* batch b has the vertices first[b] to first[b + 1] */
+  size_t first[BATCH_COUNT + 1];  /* batch b has the vertices first[b] to first[b + 1] */
+  bool has_surfaces[BATCH_COUNT]; /* within the picture or not */
   surface_record *surfaces;
   size_t surface_count;
   material_record *materials;
   size_t material_count;
+  checker_axes *axes; /* by material; NULL where no checker has turned */
   /* ray direction, or the point where an orthographic ray starts, at picture position p: base + scale p */
   double scale[2], base[2];
   double depth[2]; /* reversed depth: depth[0] / z in perspective, depth[0] + depth[1] z in an orthographic view */
 } geometry;
 
-/* `scene` must have passed raster_validate. */
-asc_status geometry_create(const asc_scene *scene, geometry *made, asc_error *error);
+/* `scene` must have passed raster_validate. `turns`, by material: how its surfaces have turned; NULL: none has. */
+asc_status geometry_create(const asc_scene *scene, const camera *eye, const turn *turns, geometry *made,
+                           asc_error *error);
 void geometry_destroy(geometry *made);
 
 #endif

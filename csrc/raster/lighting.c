@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "camera.h"
+#include "concentric.h"
 
 bool lighting_takes(const asc_material *material) {
   return material->albedo[0] != 0.0 || material->albedo[1] != 0.0 || material->albedo[2] != 0.0;
@@ -29,6 +29,10 @@ static void cross(const double a[3], const double b[3], double product[3]) {
   product[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+bool lighting_has_area(const asc_light *given) {
+  return given->kind == ASC_LIGHT_PARALLELOGRAM || given->kind == ASC_LIGHT_DISC || given->kind == ASC_LIGHT_SPHERE;
+}
+
 static void add_four(lighting *made, const double xyz[3], double w) {
   occluder_four *fresh = &made->occluders[made->occluder_fours++];
   memcpy(fresh->xyzw, xyz, 3 * sizeof xyz[0]);
@@ -42,8 +46,7 @@ static void add_plane(lighting *made, const camera *eye, const double world_norm
   add_four(made, normal, dot(normal, point));
 }
 
-/* False where it has no area, and casts no shadow. */
-static bool add_triangle(lighting *made, const camera *eye, const double *corners) {
+static void add_triangle(lighting *made, const camera *eye, const double *corners) {
   double p[3][3];
   for (size_t i = 0; i < 3; ++i) {
     camera_point(eye, corners + 3 * i, p[i]);
@@ -58,7 +61,8 @@ static bool add_triangle(lighting *made, const camera *eye, const double *corner
   cross(e, f, n);
   double square = dot(n, n);
   if (!(square > 0.0)) {
-    return false;
+    made->occluder_fours += 3; /* which are 0 */
+    return;
   }
   /* u is 1 along e and 0 along f, v the other way round. */
   double u[3];
@@ -73,7 +77,6 @@ static bool add_triangle(lighting *made, const camera *eye, const double *corner
   add_four(made, n, dot(n, p[0]));
   add_four(made, u, -dot(u, p[0]));
   add_four(made, v, -dot(v, p[0]));
-  return true;
 }
 
 static void add_occluders(lighting *made, const asc_scene *scene, const camera *eye) {
@@ -94,20 +97,55 @@ static void add_occluders(lighting *made, const asc_scene *scene, const camera *
   made->counts.spheres = scene->sphere_count;
   made->counts.planes = scene->plane_count;
   made->counts.discs = scene->disc_count;
+  made->counts.triangles = scene->triangle_count;
   for (size_t i = 0; i < scene->triangle_count; ++i) {
-    made->counts.triangles += add_triangle(made, eye, scene->vertices + 9 * i);
+    add_triangle(made, eye, scene->vertices + 9 * i);
   }
 }
 
-static void add_lights(lighting *made, const asc_scene *scene, const camera *eye) {
+/* The point of a light that the numbers choose, uniform by area; of a sphere the place on a disc that the shader takes
+ * to the part of it that is seen. */
+static void choose_point(const asc_light *from, const camera *eye, const double *numbers, light_record *to) {
+  double along[2] = {numbers[0], numbers[1]};
+  if (from->kind != ASC_LIGHT_PARALLELOGRAM) {
+    (void)asc_to_disc(numbers, along);
+  }
+  if (from->kind == ASC_LIGHT_SPHERE) {
+    const double extent[4] = {along[0], along[1], from->radius, LIGHT_BALL};
+    memcpy(to->extent, extent, sizeof extent);
+    camera_point(eye, from->place, to->place);
+    return;
+  }
+  double chosen[3];
+  double normal[3];
+  for (int i = 0; i < 3; ++i) {
+    chosen[i] = from->place[i] + along[0] * from->edges[0][i] + along[1] * from->edges[1][i];
+  }
+  camera_point(eye, chosen, to->place);
+  cross(from->edges[0], from->edges[1], normal);
+  camera_direction(eye, normal, to->extent);
+  make_unit(to->extent);
+  to->extent[3] = LIGHT_FACE;
+}
+
+static void add_lights(lighting *made, const asc_scene *scene, const camera *eye, const double *numbers) {
+  static const double middle[2] = {0.5, 0.5};
   for (size_t i = 0; i < scene->light_count; ++i) {
     const asc_light *from = &scene->lights[i];
     light_record *to = &made->lights[i];
     memcpy(to->intensity, from->intensity, sizeof from->intensity);
-    if (from->kind == ASC_LIGHT_POINT) {
-      camera_point(eye, from->place, to->place);
+    if (from->kind != ASC_LIGHT_DIRECTIONAL) {
       to->place[3] = 1.0;
       to->intensity[3] = from->inverse_square ? 1.0 : 0.0;
+    }
+    if (from->kind == ASC_LIGHT_POINT) {
+      camera_point(eye, from->place, to->place);
+      continue;
+    }
+    if (lighting_has_area(from)) {
+      choose_point(from, eye, numbers ? numbers : middle, to);
+      numbers += numbers ? 2 : 0;
+      made->counts.any_area = true;
       continue;
     }
     camera_direction(eye, from->place, to->place);
@@ -119,7 +157,8 @@ static void add_lights(lighting *made, const asc_scene *scene, const camera *eye
   made->counts.lights = scene->light_count;
 }
 
-asc_status lighting_create(const asc_scene *scene, lighting *made, asc_error *error) {
+asc_status lighting_create(const asc_scene *scene, const camera *eye, const double *numbers, lighting *made,
+                           asc_error *error) {
   memset(made, 0, sizeof *made);
   if (!lighting_is_needed(scene)) {
     return ASC_OK;
@@ -131,9 +170,8 @@ asc_status lighting_create(const asc_scene *scene, lighting *made, asc_error *er
     lighting_destroy(made);
     return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu lights", scene->light_count);
   }
-  const camera eye = camera_create(&scene->view);
-  add_lights(made, scene, &eye);
-  add_occluders(made, scene, &eye);
+  add_lights(made, scene, eye, numbers);
+  add_occluders(made, scene, eye);
   return ASC_OK;
 }
 

@@ -8,10 +8,12 @@
 #include <string.h>
 #include <time.h>
 
+#include "buffers.h"
 #include "context.h"
 #include "geometry.h"
 #include "gl.h"
 #include "lighting.h"
+#include "moment.h"
 #include "shaders.h"
 #include "target.h"
 #include "validate.h"
@@ -27,11 +29,14 @@ struct raster {
   context *gl;
   uint32_t width, height;
   float background[4];
-  bool perspective;
   pass_block pass;
   size_t first[BATCH_COUNT + 1];
-  light_counts lit_by;
-  GLuint vertex_array, vertices, surfaces, materials, lights, occluders, pass_buffer;
+  bool has_surfaces[BATCH_COUNT]; /* in a picture that a pass may see */
+  program_needs needs;
+  buffers loaded;
+  GLuint pass_buffer;
+  moment *scene;           /* NULL where all passes see the same from the same place in the same light */
+  pass_choices varies;     /* from pass to pass */
   target single, multiple; /* made when first asked for */
   GLuint programs[WAY_COUNT][BATCH_COUNT];
   bool warm[WAY_COUNT]; /* the driver's code for the programs is there */
@@ -43,67 +48,6 @@ static double seconds(clockid_t which) {
   struct timespec now = {0, 0};
   (void)clock_gettime(which, &now);
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static asc_status load_storage(GLuint buffer, GLuint binding, const void *bytes, size_t size, asc_error *error) {
-  GLint64 most = 0;
-  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-  if ((uint64_t)size > (uint64_t)most) {
-    return asc_fail(error, ASC_UNSUPPORTED, "the scene's surfaces take %zu bytes, and this OpenGL has %lld for them",
-                    size, (long long)most);
-  }
-  glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffer);
-  glBufferData(GL_SHADER_STORAGE_BUFFER, (GLsizeiptr)size, bytes, GL_STATIC_DRAW);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer);
-  return ASC_OK;
-}
-
-static asc_status load_geometry(raster *made, const geometry *shapes, asc_error *error) {
-  memcpy(made->first, shapes->first, sizeof made->first);
-  memcpy(made->pass.scale, shapes->scale, sizeof shapes->scale);
-  memcpy(made->pass.base, shapes->base, sizeof shapes->base);
-  memcpy(made->pass.depth, shapes->depth, sizeof shapes->depth);
-  glGenVertexArrays(1, &made->vertex_array);
-  glBindVertexArray(made->vertex_array);
-  glGenBuffers(1, &made->vertices);
-  glGenBuffers(1, &made->surfaces);
-  glGenBuffers(1, &made->materials);
-  glGenBuffers(1, &made->pass_buffer);
-  /* Nothing in it is read where there are no surfaces, but a buffer of 0 bytes is no buffer. */
-  const size_t vertex_count = shapes->first[BATCH_COUNT];
-  glBindBuffer(GL_ARRAY_BUFFER, made->vertices);
-  glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((vertex_count + 1) * sizeof(vertex)), shapes->vertices, GL_STATIC_DRAW);
-  glVertexAttribPointer(ATTRIBUTE_POSITION, 3, GL_FLOAT, GL_FALSE, sizeof(vertex), NULL);
-  glVertexAttribIPointer(ATTRIBUTE_SURFACE, 1, GL_UNSIGNED_INT, sizeof(vertex),
-                         (const char *)NULL + offsetof(vertex, surface));
-  glEnableVertexAttribArray(ATTRIBUTE_POSITION);
-  glEnableVertexAttribArray(ATTRIBUTE_SURFACE);
-  glBindBuffer(GL_UNIFORM_BUFFER, made->pass_buffer);
-  glBufferData(GL_UNIFORM_BUFFER, sizeof made->pass, NULL, GL_DYNAMIC_DRAW);
-  glBindBufferBase(GL_UNIFORM_BUFFER, BINDING_PASS, made->pass_buffer);
-  asc_status status = load_storage(made->surfaces, BINDING_SURFACES, shapes->surfaces,
-                                   (shapes->surface_count + 1) * sizeof(surface_record), error);
-  if (status == ASC_OK) {
-    status = load_storage(made->materials, BINDING_MATERIALS, shapes->materials,
-                          (shapes->material_count + 1) * sizeof(material_record), error);
-  }
-  return status == ASC_OK ? gl_check("loading the scene", error) : status;
-}
-
-static asc_status load_lighting(raster *made, const lighting *light, asc_error *error) {
-  made->lit_by = light->counts;
-  if (light->counts.lights == 0) {
-    return ASC_OK;
-  }
-  glGenBuffers(1, &made->lights);
-  glGenBuffers(1, &made->occluders);
-  asc_status status =
-      load_storage(made->lights, BINDING_LIGHTS, light->lights, light->counts.lights * sizeof *light->lights, error);
-  if (status == ASC_OK) {
-    status = load_storage(made->occluders, BINDING_OCCLUDERS, light->occluders,
-                          (light->occluder_fours + 1) * sizeof *light->occluders, error);
-  }
-  return status == ASC_OK ? gl_check("loading the lights", error) : status;
 }
 
 static asc_status set_state(asc_error *error) {
@@ -125,28 +69,66 @@ static asc_status set_state(asc_error *error) {
   return gl_check("setting its state", error);
 }
 
+static asc_status load_surfaces(raster *made, const asc_scene *scene, const camera *eye, asc_error *error) {
+  const turn *turns = made->scene ? moment_turns(made->scene) : NULL;
+  geometry shapes;
+  asc_status status = geometry_create(scene, eye, turns, &shapes, error);
+  if (status != ASC_OK) {
+    return status;
+  }
+  made->needs.turned_checkers = turns != NULL;
+  memcpy(made->first, shapes.first, sizeof made->first);
+  for (size_t batch = 0; batch < BATCH_COUNT; ++batch) {
+    made->has_surfaces[batch] =
+        made->scene ? shapes.has_surfaces[batch] : shapes.first[batch] < shapes.first[batch + 1];
+  }
+  memcpy(made->pass.scale, shapes.scale, sizeof shapes.scale);
+  memcpy(made->pass.base, shapes.base, sizeof shapes.base);
+  memcpy(made->pass.depth, shapes.depth, sizeof shapes.depth);
+  status = buffers_load_geometry(&made->loaded, &shapes, error);
+  geometry_destroy(&shapes);
+  return status;
+}
+
+/* numbers: of the points of lights with an area; see lighting_create. */
+static asc_status load_lights(raster *made, const asc_scene *scene, const camera *eye, const double *numbers,
+                              asc_error *error) {
+  lighting light;
+  asc_status status = lighting_create(scene, eye, numbers, &light, error);
+  if (status == ASC_OK) {
+    made->needs.lit_by = light.counts;
+    status = buffers_load_lighting(&made->loaded, &light, error);
+    lighting_destroy(&light);
+  }
+  return status;
+}
+
 static asc_status set_up(raster *made, const asc_scene *scene, asc_error *error) {
   asc_status status = set_state(error);
   if (status != ASC_OK) {
     return status;
   }
-  geometry shapes;
-  status = geometry_create(scene, &shapes, error);
-  if (status != ASC_OK) {
-    return status;
+  glGenBuffers(1, &made->pass_buffer);
+  glBindBuffer(GL_UNIFORM_BUFFER, made->pass_buffer);
+  glBufferData(GL_UNIFORM_BUFFER, sizeof made->pass, NULL, GL_DYNAMIC_DRAW);
+  glBindBufferBase(GL_UNIFORM_BUFFER, BINDING_PASS, made->pass_buffer);
+  const camera eye = camera_create(&scene->view, NULL);
+  status = load_surfaces(made, scene, &eye, error);
+  return status == ASC_OK ? load_lights(made, scene, &eye, NULL, error) : status;
+}
+
+/* What differs from pass to pass, and the scene where anything does. */
+static asc_status take_scene(raster *made, const asc_scene *scene, asc_error *error) {
+  pass_choices *varies = &made->varies;
+  varies->lens_radius = scene->view.lens_radius;
+  varies->time = scene->motion_count > 0;
+  for (size_t i = 0; i < scene->light_count; ++i) {
+    varies->area_lights += lighting_has_area(&scene->lights[i]);
   }
-  status = load_geometry(made, &shapes, error);
-  geometry_destroy(&shapes);
-  if (status != ASC_OK) {
-    return status;
+  if (!(varies->lens_radius > 0.0) && !varies->time && varies->area_lights == 0) {
+    return ASC_OK;
   }
-  lighting light;
-  status = lighting_create(scene, &light, error);
-  if (status == ASC_OK) {
-    status = load_lighting(made, &light, error);
-    lighting_destroy(&light);
-  }
-  return status;
+  return moment_create(scene, &made->scene, error);
 }
 
 asc_status raster_create(const asc_scene *scene, raster **made, asc_error *error) {
@@ -163,7 +145,7 @@ asc_status raster_create(const asc_scene *scene, raster **made, asc_error *error
   }
   fresh->width = scene->view.width;
   fresh->height = scene->view.height;
-  fresh->perspective = scene->view.projection == ASC_PERSPECTIVE;
+  fresh->needs.perspective = scene->view.projection == ASC_PERSPECTIVE;
   for (int i = 0; i < 3; ++i) {
     fresh->background[i] = (float)scene->view.background[i];
     fresh->pass.frame[0][i] = scene->view.right[i];
@@ -176,7 +158,10 @@ asc_status raster_create(const asc_scene *scene, raster **made, asc_error *error
     status = context_enter(fresh->gl, error);
   }
   if (status == ASC_OK) {
-    status = set_up(fresh, scene, error);
+    status = take_scene(fresh, scene, error);
+    if (status == ASC_OK) {
+      status = set_up(fresh, fresh->scene ? moment_scene(fresh->scene) : scene, error);
+    }
     context_leave();
   }
   if (status != ASC_OK) {
@@ -190,6 +175,7 @@ asc_status raster_create(const asc_scene *scene, raster **made, asc_error *error
 void raster_destroy(raster *made) {
   if (made) {
     context_destroy(made->gl); /* and with it all that was made in it */
+    moment_destroy(made->scene);
     free(made->frame);
     free(made->sum);
     free(made);
@@ -217,11 +203,28 @@ static asc_status prepare(raster *by, way how, asc_error *error) {
   }
   for (size_t batch = 0; batch < BATCH_COUNT && status == ASC_OK; ++batch) {
     GLuint *program = &by->programs[how][batch];
-    if (by->first[batch] < by->first[batch + 1] && !*program) {
-      status = shaders_create(batch, by->perspective, how, &by->lit_by, program, error);
+    if (by->has_surfaces[batch] && !*program) {
+      status = shaders_create(batch, how, &by->needs, program, error);
     }
   }
   return status;
+}
+
+/* Shows the scene as a pass sees it: from its point of the lens, at its time, by its points of the lights. */
+static asc_status look(raster *by, const raster_desc *desc, size_t i, asc_error *error) {
+  if (!by->scene) {
+    return ASC_OK;
+  }
+  if (desc->times) {
+    moment_set(by->scene, desc->times[i]);
+  }
+  const asc_scene *scene = moment_scene(by->scene);
+  const camera eye = camera_create(&scene->view, desc->lens ? desc->lens + 2 * i : NULL);
+  asc_status status = desc->times || desc->lens ? load_surfaces(by, scene, &eye, error) : ASC_OK;
+  if (status != ASC_OK) {
+    return status;
+  }
+  return load_lights(by, scene, &eye, desc->lights ? desc->lights + 2 * by->varies.area_lights * i : NULL, error);
 }
 
 /* Draws one pass. `warming`: the first triangle of each batch, for the driver to make its code. */
@@ -238,17 +241,19 @@ static void draw(raster *by, way how, const double offset[2], bool warming) {
   glClearBufferfv(GL_COLOR, 0, by->background);
   glClearBufferfv(GL_DEPTH, 0, &farthest);
   for (size_t batch = 0; batch < BATCH_COUNT; ++batch) {
-    size_t count = by->first[batch + 1] - by->first[batch];
-    if (count == 0) {
+    const bool is_empty = by->first[batch] == by->first[batch + 1];
+    if (is_empty && !(warming && by->has_surfaces[batch])) {
       continue;
     }
+    const size_t from = is_empty ? by->first[BATCH_COUNT] : by->first[batch];
+    const size_t count = warming ? EMPTY_TRIANGLE : by->first[batch + 1] - from;
     if (runs_for_samples(batch, how)) {
       glEnable(GL_SAMPLE_SHADING);
     } else {
       glDisable(GL_SAMPLE_SHADING);
     }
     glUseProgram(by->programs[how][batch]);
-    glDrawArrays(GL_TRIANGLES, (GLint)by->first[batch], warming ? 3 : (GLsizei)count);
+    glDrawArrays(GL_TRIANGLES, (GLint)from, (GLsizei)count);
   }
 }
 
@@ -286,32 +291,6 @@ static asc_status hand_out(const raster *by, float *pixels, asc_error *error) {
   return ASC_OK;
 }
 
-static asc_status check_desc(const raster_desc *desc, asc_error *error) {
-  if (!desc || desc->struct_size < sizeof *desc) {
-    return asc_fail(error, ASC_INVALID_ARGUMENT, "no desc, or its struct_size is not set");
-  }
-  if (desc->samples_per_pass != 1 && desc->samples_per_pass != MULTISAMPLES) {
-    return asc_fail(error, ASC_UNSUPPORTED, "%u samples a pass: llvmpipe has 1 or 4", desc->samples_per_pass);
-  }
-  if (desc->sample_shading > 1) {
-    return asc_fail(error, ASC_INVALID_ARGUMENT, "sample_shading is 0 or 1, not %u", desc->sample_shading);
-  }
-  if (desc->pass_count < 1 || !desc->offsets || !desc->weights) {
-    return asc_fail(error, ASC_INVALID_ARGUMENT, "a picture needs one pass at least, with its offset and weight");
-  }
-  for (size_t i = 0; i < desc->pass_count; ++i) {
-    const double *o = desc->offsets + 2 * i;
-    if (!(o[0] >= 0.0 && o[0] < 1.0 && o[1] >= 0.0 && o[1] < 1.0)) {
-      return asc_fail(error, ASC_INVALID_ARGUMENT, "pass %zu has the offset (%g, %g): both lie in [0, 1)", i, o[0],
-                      o[1]);
-    }
-    if (!isfinite(desc->weights[i])) {
-      return asc_fail(error, ASC_INVALID_ARGUMENT, "pass %zu has a weight that is not finite", i);
-    }
-  }
-  return ASC_OK;
-}
-
 static asc_status render(raster *by, const raster_desc *desc, float *pixels, raster_cost *cost, asc_error *error) {
   const way how = desc->samples_per_pass == 1 ? WAY_SINGLE : desc->sample_shading ? WAY_SAMPLE : WAY_PIXEL;
   asc_status status = prepare(by, how, error);
@@ -319,6 +298,10 @@ static asc_status render(raster *by, const raster_desc *desc, float *pixels, ras
     return status;
   }
   if (!by->warm[how]) {
+    status = look(by, desc, 0, error);
+    if (status != ASC_OK) {
+      return status;
+    }
     draw(by, how, desc->offsets, true);
     read_back(by, how);
     by->warm[how] = true;
@@ -328,6 +311,10 @@ static asc_status render(raster *by, const raster_desc *desc, float *pixels, ras
   const double wall_start = seconds(CLOCK_MONOTONIC);
   memset(by->sum, 0, (size_t)by->width * by->height * 3 * sizeof *by->sum);
   for (size_t i = 0; i < desc->pass_count; ++i) {
+    status = look(by, desc, i, error);
+    if (status != ASC_OK) {
+      return status;
+    }
     draw(by, how, desc->offsets + 2 * i, false);
     read_back(by, how);
     add_frame(by, desc->weights[i]);
@@ -345,7 +332,7 @@ asc_status raster_render(raster *made, const raster_desc *desc, float *pixels, r
   if (!made || !pixels) {
     return asc_fail(error, ASC_INVALID_ARGUMENT, "no raster, or nowhere to put the picture");
   }
-  asc_status status = check_desc(desc, error);
+  asc_status status = raster_validate_desc(desc, &made->varies, error);
   if (status == ASC_OK) {
     status = context_enter(made->gl, error);
   }

@@ -15,6 +15,12 @@
  * Shadows are hard and exact: the shader tests the way to each light against every surface of the scene, also those
  * outside of the picture. There is no cheaper way that is exact, and so no picture beyond RASTER_MOST_SHADOW_TESTS.
  *
+ * A lens, what moves, and lights with an area are sums over passes as well: each pass looks through one point of the
+ * lens (the eye moves there and the frustum is skewed, so that what is in focus keeps its place), at one time, and each
+ * light is the point of it that the pass has chosen, with the cosine there where it falls off, and with its shadows. So
+ * a pass is one sample of every pixel, and what the tracer would find for it; the mean goes to the tracer's. The scene
+ * is moved, clipped and loaded again for each pass; context, shaders and targets stay.
+ *
  * A part of a triangle that lies nearer to the plane of a perspective eye than 2^-40 of the triangle's largest
  * coordinate is not drawn. With multisampling depths of triangles are told apart by 2^-23 of the depth of what lies
  * nearest, as by a depth buffer of 24 bits; with one sample, or sample_shading, by 2^-23 of themselves. In an
@@ -56,6 +62,14 @@ typedef struct raster_desc {
   size_t pass_count;
   /* 1: with multisampling patterns, light and shadows are evaluated for each sample, at its place; 0: once a pixel */
   uint32_t sample_shading;
+  /* [pass_count]: when each pass sees the scene; NULL where nothing moves */
+  const double *times;
+  /* [pass_count][2]: the point of the lens through which it looks, along right and up from the middle, in the scene's
+   * units; NULL without a lens */
+  const double *lens;
+  /* [pass_count][lights with an area][2] in [0, 1): choose the point of each light, in the scene's order, as tracer.h
+   * says; NULL where no light has an area */
+  const double *lights;
 } raster_desc;
 
 typedef struct raster_cost {

@@ -108,7 +108,11 @@ const char text_zone_plate[] = "float pattern_at(Material m, dvec3 p) {\n"
                                "  return 0.5 + 0.5 * cos(angle);\n"
                                "}\n";
 
-const char text_checker[] = "float pattern_at(Material m, dvec3 p) {\n"
+const char text_checker[] = "#ifdef TURNED\n"
+                            "layout(std430, binding = 4) readonly buffer Axes { dmat3 axes[]; };\n"
+                            "#define frame axes[material]\n"
+                            "#endif\n"
+                            "float pattern_at(Material m, dvec3 p) {\n"
                             "  dvec3 cell = floor(m.origin_scale.w * (frame * p - m.origin_scale.xyz));\n"
                             "  double sum = cell.x + cell.y + cell.z;\n"
                             /* the parity, for sums of any size and sign */
@@ -163,9 +167,28 @@ const char text_shadow[] =
     "  return false;\n"
     "}\n";
 
+/* The point of a spherical light that u, of the unit disc, is taken to on the cap that is seen from p, uniform by area,
+ * and the normal there. Gives the cap's share of half the sphere, which is 0 from within. */
+const char text_sphere_light[] =
+    "double on_cap(dvec3 centre, double radius, dvec2 u, dvec3 p, out dvec3 chosen, out dvec3 normal) {\n"
+    "  dvec3 w = p - centre;\n"
+    "  double away = sqrt(dot(w, w));\n"
+    "  w /= away;\n"
+    "  double share = away > radius ? 1.0LF - radius / away : 0.0LF;\n"
+    /* Two directions across w (Duff et al. 2017, "Building an orthonormal basis, revisited"). */
+    "  double side = w.z < 0.0LF ? -1.0LF : 1.0LF;\n"
+    "  double c = -1.0LF / (side + w.z), d = w.x * w.y * c;\n"
+    "  dvec3 a = dvec3(1.0LF + side * w.x * w.x * c, side * d, -side * w.x);\n"
+    "  dvec3 b = dvec3(d, side + w.y * w.y * c, -w.y);\n"
+    "  double cosine = 1.0LF - share * dot(u, u);\n"
+    "  normal = cosine * w + sqrt(share * (1.0LF + cosine)) * (u.x * a + u.y * b);\n"
+    "  chosen = centre + radius * normal;\n"
+    "  return share;\n"
+    "}\n";
+
 /* The light that falls on p. The ways to the lights start off the surface by LIFT of the coordinates, far above their
  * rounding and far below what can be seen: else a surface, or its coplanar neighbour, would shade itself. */
-const char text_light[] = "struct Light { dvec4 place; dvec4 intensity; };\n"
+const char text_light[] = "struct Light { dvec4 place; dvec4 intensity; dvec4 extent; };\n"
                           "layout(std430, binding = 2) readonly buffer Lights { Light lights[]; };\n"
                           "vec3 light(dvec3 p, dvec2 uv) {\n"
                           "  dvec3 n = outward(p);\n"
@@ -176,8 +199,22 @@ const char text_light[] = "struct Light { dvec4 place; dvec4 intensity; };\n"
                           "  for (int i = 0; i < LIGHTS; ++i) {\n"
                           "    Light l = lights[i];\n"
                           "    dvec3 way = l.place.xyz - l.place.w * p;\n"
+                          "#ifdef AREA_LIGHTS\n"
+                          "    dvec3 facing = l.extent.xyz;\n"
+                          "    double seen = 1.0LF;\n"
+                          "    if (l.extent.w == 2.0LF) {\n"
+                          "      dvec3 chosen;\n"
+                          "      seen = 2.0LF * on_cap(l.place.xyz, l.extent.z, l.extent.xy, p, chosen, facing);\n"
+                          "      way = chosen - p;\n"
+                          "      if (seen == 0.0LF) continue;\n"
+                          "    }\n"
+                          "#endif\n"
                           "    double square = dot(way, way);\n"
                           "    double cosine = dot(n, way) / sqrt(square);\n"
+                          "#ifdef AREA_LIGHTS\n"
+                          "    if (l.extent.w > 0.0LF && l.intensity.w > 0.0LF)\n"
+                          "      cosine *= max(0.0LF, -seen * dot(facing, way) / sqrt(square));\n"
+                          "#endif\n"
                           "    if (cosine > 0.0 && !shadowed(from, way, l.place.w > 0.0 ? 1.0LF : 1.0e40LF))\n"
                           "      sum += l.intensity.xyz * (l.intensity.w > 0.0 ? cosine / square : cosine);\n"
                           "  }\n"

@@ -12,6 +12,7 @@ extern const char text_sphere[]; /* spheres */
 extern const char text_zone_plate[];
 extern const char text_checker[];
 extern const char text_shadow[];
+extern const char text_sphere_light[];
 extern const char text_light[];
 extern const char text_main[];
 

@@ -17,7 +17,7 @@
 
 #include "shader_text.h"
 
-enum { MOST_SOURCES = 12, MOST_DEFINES = 400, LOG_CAPACITY = 256 };
+enum { MOST_SOURCES = 12, MOST_DEFINES = 500, LOG_CAPACITY = 256 };
 
 typedef struct source_list {
   const char *texts[MOST_SOURCES];
@@ -29,21 +29,23 @@ static void add(source_list *list, const char *text) { list->texts[list->count++
 static const char *define_if(bool wanted, const char *line) { return wanted ? line : ""; }
 
 /* What the texts ask for. LIFT: a few thousand roundings of a double, and a few ten-thousandths of one of a float. */
-static void write_defines(char *to, batch_kind kind, bool perspective, way how, const light_counts *counts) {
-  (void)snprintf(to, MOST_DEFINES,
-                 "%s%s%s%s%s%s%s"
-                 "#define LIFT 9.094947017729282e-13LF\n" /* 2^-40 */
-                 "#define LIGHTS %zu\n#define SPHERES %zu\n#define PLANES %zu\n"
-                 "#define DISCS %zu\n#define TRIANGLES %zu\n",
-                 define_if(perspective, "#define PERSPECTIVE\n"), define_if(how == WAY_PIXEL, "#define ONCE_A_PIXEL\n"),
-                 define_if(kind.pattern != ASC_PATTERN_NONE, "#define PATTERN\n"), define_if(kind.lit, "#define LIT\n"),
-                 define_if(kind.lit || kind.pattern != ASC_PATTERN_NONE, "#define SHADED\n"),
-                 define_if(kind.what == SHAPE_DISC, "#define DISC\n"),
-                 define_if(kind.what != SHAPE_TRIANGLE, "#define CUT_OUT\n"), counts->lights, counts->spheres,
-                 counts->planes, counts->discs, counts->triangles);
+static void write_defines(char *to, batch_kind kind, way how, const program_needs *needs) {
+  const light_counts *counts = &needs->lit_by;
+  (void)snprintf(
+      to, MOST_DEFINES,
+      "%s%s%s%s%s%s%s%s%s"
+      "#define LIFT 9.094947017729282e-13LF\n" /* 2^-40 */
+      "#define LIGHTS %zu\n#define SPHERES %zu\n#define PLANES %zu\n"
+      "#define DISCS %zu\n#define TRIANGLES %zu\n",
+      define_if(needs->perspective, "#define PERSPECTIVE\n"), define_if(how == WAY_PIXEL, "#define ONCE_A_PIXEL\n"),
+      define_if(kind.pattern != ASC_PATTERN_NONE, "#define PATTERN\n"), define_if(kind.lit, "#define LIT\n"),
+      define_if(kind.lit || kind.pattern != ASC_PATTERN_NONE, "#define SHADED\n"),
+      define_if(kind.what == SHAPE_DISC, "#define DISC\n"), define_if(kind.what != SHAPE_TRIANGLE, "#define CUT_OUT\n"),
+      define_if(needs->turned_checkers, "#define TURNED\n"), define_if(counts->any_area, "#define AREA_LIGHTS\n"),
+      counts->lights, counts->spheres, counts->planes, counts->discs, counts->triangles);
 }
 
-static source_list fragment_sources(batch_kind kind, const char *defines) {
+static source_list fragment_sources(batch_kind kind, const program_needs *needs, const char *defines) {
   source_list list = {.count = 0};
   add(&list, text_version);
   add(&list, defines);
@@ -55,6 +57,9 @@ static source_list fragment_sources(batch_kind kind, const char *defines) {
   }
   if (kind.lit) {
     add(&list, text_shadow);
+    if (needs->lit_by.any_area) {
+      add(&list, text_sphere_light);
+    }
     add(&list, text_light);
   }
   add(&list, text_main);
@@ -99,15 +104,14 @@ static asc_status link(GLuint vertex_shader, GLuint fragment_shader, GLuint *mad
   return ASC_OK;
 }
 
-asc_status shaders_create(size_t batch, bool perspective, way how, const light_counts *counts, GLuint *program,
-                          asc_error *error) {
+asc_status shaders_create(size_t batch, way how, const program_needs *needs, GLuint *program, asc_error *error) {
   source_list vertex_list = {.count = 0};
   add(&vertex_list, text_version);
   add(&vertex_list, text_blocks);
   add(&vertex_list, text_vertex);
   char defines[MOST_DEFINES];
-  write_defines(defines, batch_at(batch), perspective, how, counts);
-  const source_list fragment_list = fragment_sources(batch_at(batch), defines);
+  write_defines(defines, batch_at(batch), how, needs);
+  const source_list fragment_list = fragment_sources(batch_at(batch), needs, defines);
   GLuint vertex_shader = 0;
   GLuint fragment_shader = 0;
   asc_status status = compile(GL_VERTEX_SHADER, &vertex_list, &vertex_shader, error);

@@ -11,7 +11,14 @@
 #include "lighting.h"
 
 /* Binding points. */
-enum { BINDING_SURFACES = 0, BINDING_MATERIALS = 1, BINDING_LIGHTS = 2, BINDING_OCCLUDERS = 3, BINDING_PASS = 0 };
+enum {
+  BINDING_SURFACES = 0,
+  BINDING_MATERIALS = 1,
+  BINDING_LIGHTS = 2,
+  BINDING_OCCLUDERS = 3,
+  BINDING_AXES = 4,
+  BINDING_PASS = 0
+};
 /* Vertex attributes. */
 enum { ATTRIBUTE_POSITION = 0, ATTRIBUTE_SURFACE = 1 };
 
@@ -32,8 +39,14 @@ static inline bool runs_for_samples(size_t batch, way how) {
   return how == WAY_SAMPLE || (how == WAY_PIXEL && batch_at(batch).what != SHAPE_TRIANGLE);
 }
 
+/* What of a scene its programs depend on. */
+typedef struct program_needs {
+  bool perspective;
+  bool turned_checkers; /* they have axes of their own */
+  light_counts lit_by;
+} program_needs;
+
 /* Compiles and links; needs a current context. ASC_UNAVAILABLE with the compiler's first line where that fails. */
-asc_status shaders_create(size_t batch, bool perspective, way how, const light_counts *counts, GLuint *program,
-                          asc_error *error);
+asc_status shaders_create(size_t batch, way how, const program_needs *needs, GLuint *program, asc_error *error);
 
 #endif

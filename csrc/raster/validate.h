@@ -2,8 +2,12 @@
 #ifndef RASTER_VALIDATE_H
 #define RASTER_VALIDATE_H
 
+#include <stdbool.h>
+#include <stddef.h>
+
 #include "aliascope/base.h"
 #include "aliascope/scene.h"
+#include "raster.h"
 
 /* Pixels along a side at most: the largest renderbuffer of llvmpipe. */
 #define RASTER_LARGEST_SIDE 16384u
@@ -14,5 +18,15 @@
  * of materials that are not there, sizes, radii and normals out of range. ASC_UNSUPPORTED where there are more
  * surfaces and lights than shadows are tested for. */
 asc_status raster_validate(const asc_scene *scene, asc_error *error);
+
+/* What the passes of a scene choose, beside their place in the pixel. */
+typedef struct pass_choices {
+  double lens_radius; /* 0: none */
+  bool time;
+  size_t area_lights;
+} pass_choices;
+
+/* ASC_INVALID_ARGUMENT where the passes are not as raster.h has them. */
+asc_status raster_validate_desc(const raster_desc *desc, const pass_choices *varies, asc_error *error);
 
 #endif

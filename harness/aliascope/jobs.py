@@ -5,12 +5,13 @@ from __future__ import annotations
 import functools
 import hashlib
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from aliascope import plan, renderers
 from aliascope.errors import NotAvailable
+from aliascope.model import Scene
 from aliascope.native import samplers
 from aliascope.native.samplers import Plugin
 from aliascope.records import EmptyCell, Job
@@ -98,9 +99,11 @@ def make_plan(
     seeds: int,
     size: tuple[int, int] | None = None,
     required: Sequence[str] = (),
+    suits: Callable[[str, Spec, Scene], bool] | None = None,
 ) -> Plan:
     """The jobs of these scenes with these modes by renderer; a randomised mode gets `seeds` pictures.
 
+    suits: whether a scene has a cell for a mode of the renderer of this name; None: for all.
     Raises NotAvailable for a `required` renderer that is not there, SpecError for a mode that can't be read.
     """
     jobs: list[Job] = []
@@ -123,6 +126,8 @@ def make_plan(
             plugins.update(plugin_versions(spec))
         for file in files:
             for spec in specs.values():
+                if suits is not None and not suits(name, spec, file.scene):
+                    continue
                 reason = lacks(renderer, file.scene, spec)
                 if reason:
                     empty.append(EmptyCell(file.name, name, spec.text, reason))

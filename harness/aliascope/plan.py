@@ -8,6 +8,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 
 from aliascope.errors import InvalidInput, near_misses
+from aliascope.model import AreaLight, DiscLight, Scene, SphereLight
 from aliascope.records import Job
 
 COUNTS = (1, 4, 16, 64, 256)
@@ -44,14 +45,74 @@ ADAPTIVE = (
 """Every method, with numbers that bring the pixels that an edge crosses to the error of 64 samples each on `edge` and
 `siemens-star`, with at most a third of the samples (tests/python/test_adaptive.py)."""
 
-QUICK: Mapping[str, tuple[str, ...]] = {
-    "embree": (*_uniform("random", "regular", "jittered", "halton", "sobol,sampler.scramble=owen"), *ADAPTIVE[:3]),
-    "povray": (
+POVRAY_QUICK: Mapping[str, tuple[str, ...]] = {
+    "plain": (
         "none",
         *(f"am1:depth={depth}" for depth in (2, 3, 5)),
         *(f"am2:depth={depth}" for depth in (3, 4)),
         *_counts("regular:n={n}", (4, 16, 64)),
     ),
+    "lens": (
+        "focal-blur",
+        *_counts("focal-blur:blur_samples={n},variance=0", (16, 64, 256)),
+        *_accumulate("sobol", counts=(16, 64)),
+    ),
+    "area light": (
+        "none",
+        "am1:depth=3",
+        *(f"am2:depth={depth}" for depth in (3, 4)),
+        "am2:depth=4,light_grid=4",
+        *_accumulate("sobol", counts=(16, 64)),
+    ),
+    "frames": _accumulate("sobol", counts=(4, 16, 64)),
+}
+"""By kind of scene (`kind_of`), those that reach an error soonest: accumulate, at the lowest errors."""
+
+POVRAY_FULL: Mapping[str, tuple[str, ...]] = {
+    "plain": (
+        "none",
+        *(
+            f"{method}:depth={depth},jitter={jitter},threshold={threshold}"
+            for method, depths in (("am1", (2, 3, 5, 7, 9)), ("am2", (2, 3, 4, 5, 6)))
+            for depth in depths
+            for jitter in (0, 1)
+            for threshold in (0, 0.03, 0.1, 0.3)
+        ),
+        *_counts("regular:n={n}", (4, 9, 16, 36, 64, 144, 256)),
+        *_counts("accumulate:n={n},sampler=halton", (4, 16, 64)),
+    ),
+    "lens": (
+        "focal-blur",
+        *_counts("focal-blur:blur_samples={n},variance=0", (4, 7, 16, 19, 37, 64, 256)),
+        *(f"focal-blur:blur_samples=256,confidence=0.95,variance={variance}" for variance in (1e-3, 1e-4, 1e-5)),
+        "focal-blur:blur_samples=256,compensation=off,variance=0",
+        *_accumulate("halton", "sobol", counts=COUNTS),
+    ),
+    "area light": (
+        "none",
+        *(f"none:light_grid={side}" for side in (2, 4, 16)),
+        *(
+            f"{method}:depth={depth},{more}"
+            for method, depths in (("am1", (3, 5)), ("am2", (3, 4)))
+            for depth in depths
+            for more in ("jitter=1,threshold=0.1", "light_grid=4", "light_jitter=on", "light_adaptive=1,light_grid=16")
+        ),
+        "am2:depth=4,light_grid=16",
+        *_counts("regular:n={n}", (4, 16)),
+        *_accumulate("halton", "sobol", counts=COUNTS),
+    ),
+    "frames": _accumulate("halton", "sobol", counts=COUNTS),
+}
+
+
+def _all(kinds: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+    """The modes of every kind of scene, each once."""
+    return tuple(dict.fromkeys(mode for modes in kinds.values() for mode in modes))
+
+
+QUICK: Mapping[str, tuple[str, ...]] = {
+    "embree": (*_uniform("random", "regular", "jittered", "halton", "sobol,sampler.scramble=owen"), *ADAPTIVE[:3]),
+    "povray": _all(POVRAY_QUICK),
     "osmesa": (
         "none",
         "msaa:n=4",
@@ -76,18 +137,7 @@ FULL: Mapping[str, tuple[str, ...]] = {
         "adaptive:method=student-t,n=64",
         "adaptive:method=chi-squared,n=64",
     ),
-    "povray": (
-        "none",
-        *(
-            f"{method}:depth={depth},jitter={jitter},threshold={threshold}"
-            for method, depths in (("am1", (2, 3, 5, 7, 9)), ("am2", (2, 3, 4, 5, 6)))
-            for depth in depths
-            for jitter in (0, 1)
-            for threshold in (0, 0.03, 0.1, 0.3)
-        ),
-        *_counts("regular:n={n}", (4, 9, 16, 36, 64, 144, 256)),
-        *_counts("accumulate:n={n},sampler=halton", (4, 16, 64)),
-    ),
+    "povray": _all(POVRAY_FULL),
     "osmesa": (
         "none",
         "msaa:n=4",
@@ -99,6 +149,13 @@ FULL: Mapping[str, tuple[str, ...]] = {
 }
 
 PROFILES: Mapping[str, Mapping[str, tuple[str, ...]]] = {"quick": QUICK, "full": FULL}
+KINDS: Mapping[str, Mapping[str, Mapping[str, tuple[str, ...]]]] = {
+    "quick": {"povray": POVRAY_QUICK},
+    "full": {"povray": POVRAY_FULL},
+}
+"""By profile and renderer, the modes for each kind of scene (`kind_of`); a renderer that is not here has the same for
+all. The cells of other modes are left out: they would be empty, or take long for what they show."""
+
 SEEDS: Mapping[str, int] = {"quick": 3, "full": 16}
 """How many pictures, with seeds 0, 1, ..., a randomised mode gets in each profile."""
 
@@ -108,6 +165,19 @@ def profile(name: str) -> Mapping[str, tuple[str, ...]]:
     if name not in PROFILES:
         raise InvalidInput(f'unknown profile "{name}"{near_misses(name, PROFILES)}')
     return PROFILES[name]
+
+
+def kind_of(scene: Scene) -> str:
+    """What decides which modes of POV-Ray draw a scene: "plain"; "lens" or "area light" where it has that alone;
+    "frames" where only frames draw it: for motion, a light that POV-Ray's own are not, or more than one of these."""
+    needs = scene.needs()
+    if not (needs.lens or needs.shutter or needs.area_lights):
+        return "plain"
+    if needs.lens and not (needs.shutter or needs.area_lights or scene.camera.blades):
+        return "lens"
+    areas = [light for light in scene.lights if isinstance(light, AreaLight | DiscLight | SphereLight)]
+    own = all(isinstance(light, AreaLight) and light.falloff == "none" for light in areas)
+    return "area light" if own and not (needs.lens or needs.shutter) else "frames"
 
 
 def with_samplers(modes: Mapping[str, tuple[str, ...]], names: Sequence[str]) -> dict[str, tuple[str, ...]]:

@@ -30,6 +30,8 @@ typedef struct stage {
   asc_sphere spheres[MOST];
   asc_plane planes[MOST];
   asc_light lights[MOST];
+  asc_motion motions[MOST];
+  uint32_t motion_of[4][MOST]; /* of triangles, discs, spheres, planes */
 } stage;
 
 static inline stage *new_stage(asc_projection projection) {
@@ -53,6 +55,11 @@ static inline stage *new_stage(asc_projection projection) {
   s->scene.spheres = s->spheres;
   s->scene.planes = s->planes;
   s->scene.lights = s->lights;
+  s->scene.motions = s->motions;
+  s->scene.triangle_motion = s->motion_of[0];
+  s->scene.disc_motion = s->motion_of[1];
+  s->scene.sphere_motion = s->motion_of[2];
+  s->scene.plane_motion = s->motion_of[3];
   return s;
 }
 
@@ -115,6 +122,18 @@ static inline raster *made_of(const stage *s) {
   return made;
 }
 
+/* Passes of so many samples a pixel each. */
+static inline raster_desc passes_of(uint32_t samples, const double *offsets, const double *weights, size_t count,
+                                    uint32_t sample_shading) {
+  const raster_desc desc = {.struct_size = sizeof desc,
+                            .samples_per_pass = samples,
+                            .offsets = offsets,
+                            .weights = weights,
+                            .pass_count = count,
+                            .sample_shading = sample_shading};
+  return desc;
+}
+
 static inline void render_desc(raster *made, const raster_desc *desc, float *pixels) {
   asc_error error = {""};
   raster_cost cost;
@@ -127,7 +146,7 @@ static inline void render_desc(raster *made, const raster_desc *desc, float *pix
 
 static inline void render(raster *made, uint32_t samples, const double *offsets, const double *weights, size_t count,
                           float *pixels) {
-  const raster_desc desc = {sizeof desc, samples, offsets, weights, count, 0};
+  const raster_desc desc = passes_of(samples, offsets, weights, count, 0);
   render_desc(made, &desc, pixels);
 }
 
@@ -137,6 +156,18 @@ static inline void render_once(stage *s, uint32_t samples, const double offset[2
   render(made, samples, offset, one, 1, pixels);
   raster_destroy(made);
   free(s);
+}
+
+/* One pass with what it chooses; NULL for what it does not. */
+static inline void render_pass(const stage *s, const double *time, const double *lens, const double *light,
+                               float *pixels) {
+  raster *made = made_of(s);
+  raster_desc desc = passes_of(1, unmoved, one, 1, 0);
+  desc.times = time;
+  desc.lens = lens;
+  desc.lights = light;
+  render_desc(made, &desc, pixels);
+  raster_destroy(made);
 }
 
 static inline double red(const float *pixels, int x, int y) { return (double)pixels[3 * (y * WIDTH + x)]; }

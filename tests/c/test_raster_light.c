@@ -278,7 +278,7 @@ static void test_shadows_are_evaluated_where_it_is_said(void **state) {
       add_light(s, ASC_LIGHT_POINT, lamp[0], lamp[1], lamp[2]);
       raster *made = made_of(s);
       float pixels[3 * PIXELS];
-      const raster_desc desc = {sizeof desc, POSITIONS, unmoved, one, 1, shading};
+      const raster_desc desc = passes_of(POSITIONS, unmoved, one, 1, shading);
       render_desc(made, &desc, pixels);
       double positions[POSITIONS][2];
       assert_int_equal(raster_sample_positions(&positions[0][0], NULL), ASC_OK);

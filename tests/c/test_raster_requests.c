@@ -121,7 +121,7 @@ static void test_more_shadows_than_can_be_tested_are_refused(void **state) {
 
 static asc_status try_render(raster *made, uint32_t samples, const double *offset, const double *weight, size_t count) {
   float pixels[3 * PIXELS];
-  const raster_desc desc = {sizeof desc, samples, offset, weight, count, 0};
+  const raster_desc desc = passes_of(samples, offset, weight, count, 0);
   asc_error error = {""};
   asc_status status = raster_render(made, &desc, pixels, NULL, &error);
   assert_int_equal(status == ASC_OK, error.text[0] == '\0');
@@ -132,17 +132,8 @@ static void test_what_only_the_tracer_draws_is_refused(void **state) {
   (void)state;
   asc_sphere sphere;
   stage *s = crowd(&sphere, 1, 1);
-  s->scene.view.lens_radius = 0.1;
-  refused_as(s, ASC_UNSUPPORTED, "lens");
-  s = crowd(&sphere, 1, 1);
-  s->scene.motion_count = 1;
-  refused_as(s, ASC_UNSUPPORTED, "move");
-  s = crowd(&sphere, 1, 1);
   s->materials[0].reflection[1] = 0.1;
   refused_as(s, ASC_UNSUPPORTED, "mirrors");
-  s = crowd(&sphere, 1, 1);
-  s->lights[0].kind = ASC_LIGHT_SPHERE;
-  refused_as(s, ASC_UNSUPPORTED, "has an area");
 }
 
 static void test_bad_requests_are_refused(void **state) {
@@ -161,7 +152,7 @@ static void test_bad_requests_are_refused(void **state) {
   assert_int_equal(try_render(made, 1, outside, one, 1), ASC_INVALID_ARGUMENT);
   assert_int_equal(try_render(made, 1, nowhere, one, 1), ASC_INVALID_ARGUMENT);
   assert_int_equal(try_render(made, 1, unmoved, infinite, 1), ASC_INVALID_ARGUMENT);
-  const raster_desc shading = {sizeof shading, 4, unmoved, one, 1, 2};
+  const raster_desc shading = passes_of(4, unmoved, one, 1, 2);
   float pixels[3 * PIXELS];
   assert_int_equal(raster_render(made, &shading, pixels, NULL, NULL), ASC_INVALID_ARGUMENT);
   assert_int_equal(raster_render(made, NULL, NULL, NULL, NULL), ASC_INVALID_ARGUMENT);

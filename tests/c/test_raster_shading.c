@@ -112,7 +112,7 @@ static void test_patterns_are_evaluated_where_it_is_said(void **state) {
   raster *made = made_of(s);
   float once[3 * PIXELS];
   float each[3 * PIXELS];
-  const raster_desc desc = {sizeof desc, POSITIONS, unmoved, one, 1, 1};
+  const raster_desc desc = passes_of(POSITIONS, unmoved, one, 1, 1);
   render(made, POSITIONS, unmoved, one, 1, once);
   render_desc(made, &desc, each);
   raster_destroy(made);

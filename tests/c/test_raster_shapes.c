@@ -161,7 +161,7 @@ static void test_the_horizon_of_a_plane_is_multisampled(void **state) {
   int partial = 0;
   for (uint32_t shading = 0; shading < 2; ++shading) {
     float pixels[3 * PIXELS];
-    const raster_desc desc = {sizeof desc, POSITIONS, unmoved, one, 1, shading};
+    const raster_desc desc = passes_of(POSITIONS, unmoved, one, 1, shading);
     render_desc(made, &desc, pixels);
     for (int i = 0; i < PIXELS; ++i) {
       int seen = 0;

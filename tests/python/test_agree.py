@@ -130,6 +130,63 @@ def test_edges_that_are_displaced_stay_within_their_total_variation() -> None:
     assert not variation(fine, np.zeros_like(fine)).any()  # a pattern, within one outline
 
 
+def lamp_scene(**camera: object) -> Scene:
+    """A disc of 8 pixels a side before a lit plane, 16 x 12."""
+    light = {"type": "area", "corner": (2, 1, 3), "edges": ((1, 0, 0.5), (0, 1, 0)), "intensity": (1, 1, 1)}
+    eye = {"type": "perspective", "eye": (0, 0, 5), "look_at": (0, 0, 0), "vertical_fov_degrees": 40.0} | camera
+    paper = {"type": "plane", "material": "paper", "point": (0, 0, -2), "normal": (0, 0, 1)}
+    disc = {"type": "disc", "material": "paper", "centre": (0.1, 0.2, 0), "radius": 0.7}
+    moving = disc | {"motion": {"type": "translate", "by": (1.0, 0.3, 0.0)}}
+    return Scene.model_validate(
+        {
+            "title": "a lamp",
+            "shows": "lens, shutter and light",
+            "view": {"size": (16, 12)},
+            "camera": eye,
+            "materials": {"paper": {"albedo": (0.5, 0.6, 0.7)}},
+            "surfaces": [paper, moving if "shutter" in camera else disc],
+            "lights": [light],
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    ("camera", "names"),
+    [
+        ({}, {"wider lights"}),
+        ({"lens_radius": 0.3, "focus_distance": 6.5}, {"wider lens", "wider lights"}),
+        ({"shutter": (0.1, 0.9)}, {"shorter shutter", "wider lights"}),
+    ],
+)
+def test_a_scene_is_tried_with_flaws_of_what_it_has(camera: dict[str, object], names: set[str]) -> None:
+    """Each changes the picture, and is found in one that was changed so with other samples."""
+    of = lamp_scene(**camera)
+    facts = agree_effects.facts_of(of, (16, 12), False)
+    found = {effect.name: effect for effect in facts.effects}
+    plain = {"gain", "offset", "moved right", "moved down", "wider pixel"}
+    assert set(found) == plain | names
+    assert facts.edges is None
+    assert all(np.abs(found[name].change).max() > 1e-4 for name in names)
+    assert facts.ranges.min() >= 0.0
+    file = SceneFile("lamp", Path("lamp.toml"), of)
+    changed = dict(agree_effects.changed_scenes(of))
+    for name in names:
+        other = dataclasses.replace(file, scene=changed[name])
+        sides = [
+            agree.side_of(each, "embree", made, None, agree.mode_of("embree", 32))
+            for each, first in ((file, 10), (other, 50))
+            for made in [
+                [
+                    agree.picture(each, "embree", agree.mode_of("embree", 32), (16, 12), first + i, 60.0)
+                    for i in range(8)
+                ]
+            ]
+        ]
+        judged = judge(*sides, facts.ranges, facts.effects, 1)
+        by_name = {each.effect.name: each for each in judged.found}
+        assert by_name[name].value == pytest.approx(10.0, abs=5.0 * by_name[name].standard_error)
+
+
 # --- renderers --------------------------------------------------------------------------------------------------------
 
 
@@ -331,6 +388,15 @@ def test_povray_agrees_too(inline: None) -> None:
     printed = json.loads(run("agree", "edge", "-r", "embree", "-r", "povray", *OPTIONS, "--json").stdout)
     assert printed["holds"]
     assert printed["cells"][0]["tests"]["pixel"]["limit"] > 0.5 / 65535
+
+
+def test_no_two_renderers_share_a_seed() -> None:
+    """Patterns are the same for all pixels, so they would have the same errors."""
+    asked = [agree.Asked(replicates=1024, seed=seed) for seed in (0, 1, 2**19)]
+    seeds = [seed for each in asked for name in agree.CONVERGING for seed in agree.seeds_of(name, each)]
+    assert len(set(seeds)) == len(seeds) == 9 * 1024
+    assert min(seeds) > 2**42  # references have theirs from 2^40 on
+    assert max(seeds) < 2**64
 
 
 def test_what_cannot_be_tested_is_refused() -> None:

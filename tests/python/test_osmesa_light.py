@@ -176,7 +176,7 @@ def test_a_zone_plate_gains_by_sample_shading_and_by_nothing_else() -> None:
     each = rmse(render(scene, "msaa:sample-shading=1"))
     assert each < 0.5 * once
     # The same four places in four passes: equal but for the rounding of sums in float.
-    passes = raster.Raster(scene, scene.view.size).render(raster.sample_positions(), np.full(4, 0.25))[0]
+    passes = raster.Raster(scene, scene.view.size).render(raster.Passes(raster.sample_positions(), np.full(4, 0.25)))[0]
     np.testing.assert_allclose(render(scene, "msaa:sample-shading=1"), passes, rtol=0, atol=1e-6)
     assert rmse(render(scene, "msaa:n=8,sample-shading=1")) < 0.5 * once
 
@@ -186,7 +186,7 @@ def test_sample_shading_is_four_passes_in_one(surfaces: str) -> None:
     """Light and shadows too: the samples' places in a pass each give the same picture, but for edges of polygons, which
     the rasteriser snaps anew in each pass."""
     scene = scene_of(CASTS[surfaces], [LAMP, SUN])
-    passes = raster.Raster(scene, scene.view.size).render(raster.sample_positions(), np.full(4, 0.25))[0]
+    passes = raster.Raster(scene, scene.view.size).render(raster.Passes(raster.sample_positions(), np.full(4, 0.25)))[0]
     differ = np.abs(render(scene, "msaa:sample-shading=1") - passes).max(axis=2) > 1e-6  # rounding of sums in float
     assert differ.mean() < 0.002
     assert (np.abs(render(scene, "msaa") - passes).max(axis=2) > 0.01).mean() > 0.02

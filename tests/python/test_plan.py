@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from aliascope import plan, renderers
+from aliascope.studies import selection
 
 
 def texts(profile: str, name: str) -> list[str]:
@@ -35,3 +38,86 @@ def test_a_further_sampler_joins_every_renderer_that_takes_one() -> None:
         assert own[name][: len(plan.QUICK[name])] == plan.QUICK[name]
         assert len(added) == count
         assert all(renderers.mode_of(renderers.find(name), mode).word("sampler") == "r2" for mode in added)
+
+
+# Modes that suit a scene
+
+LENS = "lens_radius = 0.2\nfocus_distance = 5.0\n"
+LAMP = '[[lights]]\ntype = "area"\ncorner = [0, 0, 2]\nedges = [[0, 1, 0], [1, 0, 0]]\nintensity = [1, 1, 1]\n'
+MOVING = 'motion = { type = "translate", by = [1, 0, 0] }\n'
+SCENES = {
+    "plain": ("", "", ""),
+    "lens": (LENS, "", ""),
+    "area light": ("", "", LAMP),
+    "frames": ("shutter = [0.0, 1.0]\n", MOVING, ""),
+    "frames of a lens with blades": (LENS + "blades = 6\n", "", ""),
+    "frames of a lens and a lamp": (LENS, "", LAMP),
+    "frames of a cosine": ("", "", LAMP + 'falloff = "inverse-square"\n'),
+}
+
+
+def written(folder: Path, camera: str, motion: str, lights: str) -> str:
+    path = folder / "scene.toml"
+    path.write_text(f"""
+title = "a floor"
+shows = "a floor"
+[view]
+size = [16, 12]
+[camera]
+type = "perspective"
+eye = [0.0, 0.0, 5.0]
+look_at = [0.0, 0.0, 0.0]
+vertical_fov_degrees = 40.0
+{camera}
+[materials.floor]
+albedo = [0.5, 0.5, 0.5]
+[[surfaces]]
+type = "disc"
+material = "floor"
+centre = [0, 0, 0]
+radius = 1.0
+{motion}
+{lights}""")
+    return str(path)
+
+
+@pytest.mark.parametrize("profile", list(plan.PROFILES))
+@pytest.mark.parametrize("name", list(SCENES))
+def test_a_scene_gets_the_modes_that_draw_it_and_no_empty_cell(tmp_path: Path, profile: str, name: str) -> None:
+    path = written(tmp_path, *SCENES[name])
+    made = selection.plan_of([path], ["povray"], [], profile, None)
+    kind = name.partition(" of ")[0]
+    povray = renderers.find("povray")
+    expected = {renderers.mode_of(povray, mode).text for mode in plan.KINDS[profile]["povray"][kind]}
+    assert {job.mode for job in made.jobs} == expected
+    assert not made.empty
+    assert made.about == f"{profile} profile, chosen scenes and modes"  # the renderer was named
+
+
+def test_modes_that_are_named_are_for_all_scenes(tmp_path: Path) -> None:
+    path = written(tmp_path, *SCENES["lens"])
+    for mode in ("am1:depth=3", "am1*"):
+        made = selection.plan_of([path], ["povray"], [mode], "quick", None)
+        assert not made.jobs
+        assert all("does not draw a lens" in cell.reason for cell in made.empty)
+        assert made.empty
+
+
+def test_modes_suit_a_scene_however_their_dimensions_are_arranged(tmp_path: Path) -> None:
+    path = written(tmp_path, *SCENES["plain"])
+    made = selection.plan_of([path], ["povray"], [], "quick", None, ["padded"])
+    assert not any(job.mode.startswith("accumulate") for job in made.jobs)
+    path = written(tmp_path, *SCENES["frames"])
+    made = selection.plan_of([path], ["povray"], [], "quick", None, ["padded"])
+    assert {job.mode for job in made.jobs} == {
+        f"accumulate:dimensions=padded,n={n},sampler=sobol" if n != 16 else "accumulate:dimensions=padded,sampler=sobol"
+        for n in (4, 16, 64)
+    }
+
+
+def test_other_renderers_have_the_same_modes_for_all_scenes(tmp_path: Path) -> None:
+    modes = []
+    for name in ("plain", "area light"):
+        made = selection.plan_of([written(tmp_path, *SCENES[name])], ["embree"], [], "quick", None)
+        modes.append({job.mode for job in made.jobs} | {cell.mode for cell in made.empty})
+    assert modes[0] == modes[1] == set(texts("quick", "embree"))

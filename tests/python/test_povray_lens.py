@@ -19,9 +19,10 @@ from aliascope.model import LoadedMesh, Scene
 from aliascope.native import samplers
 from aliascope.records import Rendering
 from aliascope.renderers import povray
+from aliascope.renderers.accumulation import lens_points, shutter_times
 from aliascope.renderers.base import lacks
 from aliascope.renderers.povray import RENDERER
-from aliascope.renderers.povray_frames import Frames, frames_of, lens_points, shutter_times
+from aliascope.renderers.povray_frames import Frames, frames_of
 from aliascope.renderers.povray_sdl import scene_text
 
 HALF_STEP = 0.5 / 65535.0 + 2.0**-24  # rounding to 16 bits, and of POV-Ray's colours to float32
@@ -60,15 +61,16 @@ def defocused(surfaces: list[dict[str, Any]], materials: dict[str, Any], **lens:
 
 
 def aperture(u: Array, radius: float, blades: int) -> Array:
-    """Shirley and Chiu 1997 in their own words; for blades, a fan of triangles from the top."""
+    """Shirley and Chiu 1997 in their own words; for blades, a fan of triangles from the top,
+    as tracer.h has it."""
     found = []
     for first, second in u:
         if blades:
             k = int(first * blades)
-            ends = [math.pi / 2 + 2 * math.pi * (k + i) / blades for i in (0, 1)]
-            r = math.sqrt(first * blades - k)
+            ends = [math.pi / 2 - 2 * math.pi * (k + i) / blades for i in (0, 1)]
+            f = first * blades - k
             p, q = (np.array([math.cos(end), math.sin(end)]) for end in ends)
-            found.append(r * ((1 - second) * p + second * q))
+            found.append(math.sqrt(second) * ((1 - f) * p + f * q))
             continue
         a, b = 2 * first - 1, 2 * second - 1
         r, angle = (a, math.pi / 4 * b / a) if abs(a) > abs(b) else (b, math.pi / 2 - math.pi / 4 * a / b if b else 0.0)

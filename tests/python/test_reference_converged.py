@@ -25,7 +25,7 @@ def estimate(name: str, filter_: str, plan: Plan) -> tuple[agreement.Estimate, n
     return converged.estimate(converged.renderer(stored(name), SIZE, filter_, plan), plan)
 
 
-@pytest.mark.parametrize("name", ["edge", "discs", "zone-plate", "siemens-star", "checker-horizon"])
+@pytest.mark.parametrize("name", ["edge", "discs", "zone-plate", "siemens-star", "checker-horizon", "depth-of-field"])
 def test_exact_references_are_the_limit(name: str) -> None:
     exact = make(stored(name), SIZE).exact
     found, pictures = estimate(name, "box", PLAN)

@@ -167,7 +167,7 @@ OSMESA = [name for name in FLAT if base.lacks(osmesa.RENDERER, plain(name), mode
 def test_osmesa_has_the_same_bits(name: str, declared: dict[str, dict[str, Scene]]) -> None:
     expected = None
     for what, scene in {"plain": plain(name), **declared[name]}.items():
-        pixels, cost = raster.Raster(scene, SIZE).render(np.array([(0.3, 0.6)]), np.ones(1))
+        pixels, cost = raster.Raster(scene, SIZE).render(raster.Passes(np.array([(0.3, 0.6)]), np.ones(1)))
         expected = expected or (pixels.tobytes(), cost.samples)
         assert (pixels.tobytes(), cost.samples) == expected, what
 
@@ -178,7 +178,7 @@ import numpy as np
 from aliascope import scene_io
 from aliascope.native import raster
 for path in sys.argv[1:]:
-    raster.Raster(scene_io.load(path).scene, (32, 24)).render(np.array([(0.3, 0.6)]), np.ones(1))
+    raster.Raster(scene_io.load(path).scene, (32, 24)).render(raster.Passes(np.array([(0.3, 0.6)]), np.ones(1)))
 """
 
 

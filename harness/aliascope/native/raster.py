@@ -51,6 +51,26 @@ def sample_positions() -> NDArray[np.float64]:
 
 
 @dataclass(frozen=True)
+class Passes:
+    """The passes of a picture, whose weighted sum it is.
+
+    offsets: (n, 2) in [0, 1), where in the pixel each samples, from its left and top border; with 4 samples a pass
+    their pattern is moved by offset - 0.5. weights: (n,), which should sum to 1. sample_shading: patterns, light and
+    shadows for each of the 4, at its place, and not once a pixel. Of a scene that needs them, and of no other: times
+    (n,); lens (n, 2), points of it to the right and up from its middle, in the scene's units; lights (n, lights with an
+    area, 2) in [0, 1), which choose the point of each as tracer.h says.
+    """
+
+    offsets: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    samples_per_pass: int = 1
+    sample_shading: bool = False
+    times: NDArray[np.float64] | None = None
+    lens: NDArray[np.float64] | None = None
+    lights: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
 class RasterCost:
     """Of one picture: all its samples; time of drawing, reading back and summing, on the CPU and by the clock."""
 
@@ -70,31 +90,24 @@ class Raster:
         check(library, library.lib.raster_create(packed, out, box), box)
         keep.clear()
         self._handle = library.ffi.gc(out[0], library.lib.raster_destroy)
-        self._library, self._size = library, size
+        self._library, self._size, self._area_lights = library, size, scene.needs().area_lights
 
-    def render(
-        self,
-        offsets: NDArray[np.float64],
-        weights: NDArray[np.float64],
-        samples_per_pass: int = 1,
-        sample_shading: bool = False,
-    ) -> tuple[Pixels, RasterCost]:
-        """The weighted sum of one pass for each offset: (height, width, 3) float32, linear RGB.
-
-        offsets: (passes, 2) in [0, 1), where in the pixel each pass samples, from its left and top border; with 4
-        samples a pass their pattern is moved by offset - 0.5. weights: (passes,), which should sum to 1.
-        sample_shading: patterns, light and shadows for each of the 4, at its place, and not once a pixel.
-        """
+    def render(self, passes: Passes) -> tuple[Pixels, RasterCost]:
+        """The weighted sum of the passes: (height, width, 3) float32, linear RGB. Raises InvalidInput for passes that
+        are not those of the scene."""
         library, (width, height) = self._library, self._size
-        if offsets.shape != (len(weights), 2):
-            raise ValueError(f"{len(weights)} weights and offsets of shape {offsets.shape}")
-        offsets = np.ascontiguousarray(offsets, np.float64)
-        weights = np.ascontiguousarray(weights, np.float64)
-        desc = library.ffi.new("raster_desc *")
-        desc.struct_size, desc.samples_per_pass = library.ffi.sizeof("raster_desc"), samples_per_pass
-        desc.offsets = library.ffi.from_buffer("double[]", offsets)
-        desc.weights = library.ffi.from_buffer("double[]", weights)
-        desc.pass_count, desc.sample_shading = len(weights), sample_shading
+        desc, keep = library.ffi.new("raster_desc *"), []
+        desc.struct_size, desc.samples_per_pass = library.ffi.sizeof("raster_desc"), passes.samples_per_pass
+        desc.pass_count, desc.sample_shading = len(passes.weights), passes.sample_shading
+        shapes = {"offsets": (2,), "weights": (), "times": (), "lens": (2,), "lights": (self._area_lights, 2)}
+        for name, shape in shapes.items():
+            given = getattr(passes, name)
+            if given is None:
+                continue
+            if given.shape != (len(passes.weights), *shape):
+                raise ValueError(f"{len(passes.weights)} weights and {name} of shape {given.shape}")
+            keep.append(np.ascontiguousarray(given, np.float64))
+            setattr(desc, name, library.ffi.from_buffer("double[]", keep[-1]))
         pixels = np.empty((height, width, 3), np.float32)
         cost, box = library.ffi.new("raster_cost *"), error_box(library.ffi)
         target = library.ffi.from_buffer("float[]", pixels)

@@ -38,7 +38,7 @@ def coverage(region: shapely.Geometry, width: int, height: int) -> Coverage:
 
 def parts_coverage(parts: shapely.Geometry, width: int, height: int) -> Coverage:
     """The same of polygons, one or an array of them, that lie within the picture and share no area."""
-    start, end = _edges(parts)
+    start, end = edges_of(parts)
     if not len(start):
         return Coverage(np.zeros((height, width)), np.zeros((height, width)))
     first, second = _pieces(start, end, width, height)
@@ -64,7 +64,7 @@ def _sums(cell: Index, weights: Array, shape: tuple[int, int]) -> Array:
     return sums.astype(np.float64).reshape(shape)
 
 
-def _edges(region: shapely.Geometry) -> tuple[Array, Array]:
+def edges_of(region: shapely.Geometry) -> tuple[Array, Array]:
     """The edges of a region, (n, 2) each end; outer rings counter-clockwise, as numbers, and holes clockwise."""
     parts = shapely.get_parts(region)
     areas = [part for part in parts.tolist() if part.geom_type == "Polygon" and not part.is_empty]
@@ -108,10 +108,15 @@ def _crossings(start: Array, end: Array, axis: int) -> tuple[Index, Array, Array
     return edge, time, point
 
 
-def visible(frame: Frame, outlines: Sequence[Outline], order: Order) -> Iterator[Coverage]:
-    """The coverage of what is seen of each polygon: its outline without those in front of it."""
+def visible_regions(outlines: Sequence[Outline], order: Order) -> Iterator[shapely.Geometry]:
+    """What is seen of each polygon: its outline without those in front of it."""
     for outline, front in zip(outlines, order.in_front, strict=True):
-        seen = shapely.difference(outline.region, shapely.union_all([outlines[j].region for j in front]))
+        yield shapely.difference(outline.region, shapely.union_all([outlines[j].region for j in front]))
+
+
+def visible(frame: Frame, outlines: Sequence[Outline], order: Order) -> Iterator[Coverage]:
+    """The coverage of what is seen of each polygon."""
+    for seen in visible_regions(outlines, order):
         yield coverage(seen, frame.width, frame.height)
 
 

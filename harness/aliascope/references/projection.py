@@ -89,8 +89,8 @@ def to_picture(frame: Frame, points: Array) -> tuple[Array, Array, float]:
     return places, depth, rounding / frame.pixel + 8 * EPSILON * max(frame.width, frame.height)
 
 
-def outlines_of(scene: Scene, frame: Frame) -> list[Outline]:
-    """The polygons and discs that reach into the picture, in the order of the scene.
+def outlines_of(scene: Scene, frame: Frame, margin_px: float = 0.0) -> list[Outline]:
+    """The polygons and discs that reach into the picture, or within so many pixels of it, in the order of the scene.
 
     Raises Unsupported for a surface that has no exact outline.
     """
@@ -98,7 +98,7 @@ def outlines_of(scene: Scene, frame: Frame) -> list[Outline]:
     for i, surface in enumerate(scene.surfaces):
         if isinstance(surface, Disc) and _in_front(frame, np.array([surface.centre]), _label(scene, i)):
             circles[i] = _circle(frame, surface, _label(scene, i))
-    picture = shapely.box(0.0, 0.0, frame.width, frame.height)
+    picture = shapely.box(-margin_px, -margin_px, frame.width + margin_px, frame.height + margin_px)
     seen = {i: c for i, c in circles.items() if shapely.distance(picture, shapely.Point(c[0].x, c[0].y)) < c[0].radius}
     # Discs that the border of the picture cuts are compared whole with what is before and behind them.
     area = _around(picture, [circle for circle, _, _ in seen.values()])

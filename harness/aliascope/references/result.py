@@ -63,7 +63,8 @@ class Reference:
 
 @dataclass(frozen=True)
 class Method:
-    """A way to make references. `features` are those of `Scene.features` that it can draw, the cameras among them.
+    """A way to make references. `features` are those of `Scene.features` that it can draw, the cameras among them;
+    `requires`, one that it is for: without it another method is simpler.
 
     `make` raises Unsupported where it meets a configuration that it has no exact answer for.
     """
@@ -72,11 +73,16 @@ class Method:
     title: str
     features: frozenset[str]
     make: Callable[[Scene, Frame], Exact]
+    requires: str | None = None
 
     def cannot(self, scene: Scene) -> str | None:
         """Why the method can't draw the scene, as far as its features tell; None where it may."""
         lacking = sorted(scene.features() - self.features)
-        return f"has no answer for {', '.join(lacking)}" if lacking else None
+        if lacking:
+            return f"has no answer for {', '.join(lacking)}"
+        if self.requires is not None and self.requires not in scene.features():
+            return f"is for scenes with {self.requires}"
+        return None
 
 
 def checked(canvas: Canvas, background: Array, error: float) -> Exact:

@@ -1,20 +1,20 @@
-"""OSMesa: the rasteriser llvmpipe, with its multisampling or as an accumulation buffer."""
+"""OSMesa: the rasteriser llvmpipe, with its multisampling or as an accumulation buffer (Haeberli and Akeley 1990)."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from aliascope.errors import JobFailed, Unsupported
 from aliascope.geometry import surfaces_of
-from aliascope.model import Scene
+from aliascope.model import Frames, Scene
 from aliascope.native import raster, samplers
+from aliascope.native.raster import Passes
 from aliascope.records import Cost, Rendering
-from aliascope.renderers.base import Request
+from aliascope.renderers.accumulation import choices_of
+from aliascope.renderers.base import DIMENSIONS, Request
 from aliascope.specs import Form, Key, Spec
 
 CENTRE = (0.5, 0.5)
@@ -41,49 +41,53 @@ MSAA = Form(
 )
 ACCUMULATE = Form(
     "accumulate",
-    "the accumulation buffer: n passes, moved by the first two dimensions of one sampling pattern for all pixels",
+    "the accumulation buffer: n passes, moved by one sampling pattern for all pixels; each at its own time, through "
+    "its own point of the lens and lit by its own point of each light with an area, where the scene asks for that",
     (
         Key("n", "integer", 16, "passes", 1, 65536, is_count=True),
         Key("sampler", "spec", "halton", "the pattern", inner=samplers.canonical, named=True),
+        DIMENSIONS,
     ),
 )
 
 
-@dataclass(frozen=True)
-class Passes:
-    """offsets (n, 2) in [0, 1) from the left and top border of the pixel, weights (n,)."""
-
-    offsets: NDArray[np.float64]
-    weights: NDArray[np.float64]
-    samples_per_pass: int
-    sample_shading: bool = False
-
-
-def passes_of(mode: Spec, seed: int = 0) -> Passes:
-    """The passes that a mode draws. Raises Unsupported, SpecError."""
-    if reason := _unable(mode):
+def passes_of(mode: Spec, scene: Scene, seed: int = 0) -> Passes:
+    """The passes that a mode draws of a scene. Raises Unsupported, SpecError."""
+    if reason := _unable(mode, scene):
         raise Unsupported(reason)
     if mode.name == ACCUMULATE.name:
-        sampler, count = mode.word("sampler"), mode.integer("n")
-        return Passes(samplers.points(sampler, count, 2, seed), samplers.weights(sampler, count, 2), 1)
+        chosen = choices_of(scene, mode.word("sampler"), mode.integer("n"), seed, mode.word("dimensions"))
+        return Passes(chosen.offsets, chosen.weights, times=chosen.times, lens=chosen.lens, lights=chosen.lights)
     if mode.name == NONE.name:
-        return Passes(np.array([CENTRE]), np.ones(1), 1)
+        return Passes(np.array([CENTRE]), np.ones(1))
     offsets = np.array([CENTRE] if mode.integer("n") == raster.MULTISAMPLES else EIGHT)
     weights = np.full(len(offsets), 1.0 / len(offsets))
     return Passes(offsets, weights, raster.MULTISAMPLES, bool(mode.integer("sample-shading")))
 
 
-def _unable(mode: Spec) -> str | None:
+def _unable(mode: Spec, scene: Scene) -> str | None:
+    needs = scene.needs()
+    if mode.name == ACCUMULATE.name:
+        return samplers.refusal(mode.word("sampler"), mode.integer("n"), needs.groups, mode.word("dimensions"))
+    asked = {"a lens": needs.lens, "motion": needs.shutter, "lights with an area": needs.area_lights > 0}
+    if any(asked.values()):
+        missing = " and ".join(name for name, there in asked.items() if there)
+        return f"{mode.name} of OSMesa does not draw {missing}: accumulate does, a sum over passes"
     if mode.name == MSAA.name and mode.integer("n") not in (4, 8):
         return (
             f"{mode.text}: GL_MAX_SAMPLES of llvmpipe is {raster.MULTISAMPLES}, so a pixel has 4 samples, "
             f"or 8 in two passes; accumulate:n={mode.integer('n')} has any count"
         )
-    if mode.name == ACCUMULATE.name:
-        try:
-            samplers.randomised(mode.word("sampler"), mode.integer("n"))
-        except Unsupported as error:
-            return str(error)
+    return None
+
+
+def _stretched(scene: Scene) -> str | None:
+    """Why what changes its shape is not drawn: its pattern would be stretched."""
+    if not scene.needs().shutter:
+        return None
+    for surface in scene.surfaces:
+        if isinstance(surface.motion, Frames) and scene.materials[surface.material].pattern:
+            return "a mesh of frames stretches its pattern, which OSMesa does not draw"
     return None
 
 
@@ -114,31 +118,37 @@ class OSMesa:
     modes: Mapping[str, Form] = {form.name: form for form in (NONE, MSAA, ACCUMULATE)}
     draws = frozenset(
         {"orthographic", "perspective", "polygon", "mesh", "disc", "sphere", "plane", "zone-plate", "checker"}
-        | {"point light", "directional light"}
+        | {"point light", "directional light", "area light", "disc light", "sphere light", "lens", "motion"}
+        | {"mesh of frames"}
     )
     probe_mode = "accumulate:n=256,sampler=regular"
     single_mode = "none"
     idles = False
+    absent: Mapping[str, str] = {}
 
     def versions(self) -> Mapping[str, str]:
         renderer, version = raster.describe()
         return {"osmesa": version, "osmesa-driver": renderer}
 
     def unable(self, scene: Scene, mode: Spec) -> str | None:
-        return _unable(mode) or _unshadowed(scene)
+        return _unable(mode, scene) or _stretched(scene) or _unshadowed(scene)
 
     def seeded(self, mode: Spec) -> bool:
-        return mode.name == ACCUMULATE.name and samplers.randomised(mode.word("sampler"), mode.integer("n"))
+        if mode.name != ACCUMULATE.name:
+            return False
+        sampler, count = mode.word("sampler"), mode.integer("n")
+        planar = samplers.refusal(sampler, count) is None  # patterns of space and time have three dimensions alone
+        return mode.word("dimensions") != "joint" or samplers.randomised(sampler, count, 2 if planar else 3)
 
     def render(self, request: Request) -> Rendering:
         """Draws in the calling thread; `threads` is not used. The time limit is looked at between repeats only."""
         started = time.monotonic()
-        passes = passes_of(request.mode, request.seed)
+        passes = passes_of(request.mode, request.scene, request.seed)
         drawn = raster.Raster(request.scene, (request.width, request.height))
         cpu_seconds = wall_seconds = 0.0
         repeats = 0
         while repeats == 0 or cpu_seconds < request.least_seconds:
-            pixels, cost = drawn.render(passes.offsets, passes.weights, passes.samples_per_pass, passes.sample_shading)
+            pixels, cost = drawn.render(passes)
             cpu_seconds, wall_seconds = cpu_seconds + cost.cpu_seconds, wall_seconds + cost.wall_seconds
             repeats += 1
             if time.monotonic() - started > request.time_limit:

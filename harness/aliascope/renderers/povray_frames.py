@@ -8,7 +8,6 @@ the pixel, one of time, two of the lens, two of each light with an area, as the 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -16,9 +15,9 @@ import numpy as np
 
 from aliascope import motion
 from aliascope.geometry import Array
-from aliascope.model import Scene
+from aliascope.model import AreaLight, DiscLight, Scene, SphereLight
 from aliascope.native import samplers
-from aliascope.native.warps import DISC
+from aliascope.renderers.accumulation import choices_of
 from aliascope.renderers.povray_area_lights import LightPoints, points_on
 from aliascope.renderers.povray_modes import ACCUMULATE, FOCAL_BLUR
 from aliascope.specs import Spec
@@ -86,80 +85,41 @@ def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
         )
     if mode.name != ACCUMULATE.name:
         return Frames(np.zeros((1, 2)), np.ones(1), grid=light_grid(mode))
-    sampler, count = mode.word("sampler"), mode.integer("n")
-    sizes, arrangement = scene.needs().groups, mode.word("dimensions")
-    points = samplers.points(sampler, count, sizes, seed, arrangement=arrangement)
-    return _frames(scene, points, samplers.weights(sampler, count, sizes, arrangement))
-
-
-def _frames(scene: Scene, points: Array, weights: Array) -> Frames:
-    """Frames of these samples, (n, dimensions); tracer.h has their order."""
-    needs = scene.needs()
-    lens, lights = 2 + needs.shutter, 2 + needs.shutter + 2 * needs.lens
+    chosen = choices_of(scene, mode.word("sampler"), mode.integer("n"), seed, mode.word("dimensions"))
     return Frames(
-        points[:, :2] - 0.5,
-        weights,
-        shutter_times(scene, points[:, 2]) if needs.shutter else None,
-        lens_points(scene, points[:, lens:lights]) if needs.lens else None,
-        lights=_light_points(scene, points[:, lights:]),
+        chosen.offsets - 0.5,
+        chosen.weights,
+        chosen.times,
+        chosen.lens,
+        lights=_light_points(scene, chosen.lights),
     )
 
 
-def _light_points(scene: Scene, u: Array) -> tuple[LightPoints | None, ...]:
-    """Two columns of u for each light with an area."""
-    if not scene.needs().area_lights:
+def _light_points(scene: Scene, u: Array | None) -> tuple[LightPoints | None, ...]:
+    """u: (frames, lights with an area, 2), or None."""
+    if u is None:
         return ()
-    found: list[LightPoints | None] = []
-    columns = 0
-    for light in scene.lights:
-        made = points_on(light, u[:, columns : columns + 2])
-        columns += 2 * (made is not None)
-        found.append(made)
-    return tuple(found)
+    areas = iter(np.moveaxis(u, 1, 0))
+    has_area = (AreaLight, DiscLight, SphereLight)
+    return tuple(points_on(light, next(areas)) if isinstance(light, has_area) else None for light in scene.lights)
 
 
 def looked_at(scene: Scene) -> Frames:
     """MOMENTS frames that stand for those of any mode: from the shutter's opening to its closing, with points all over
     the lights."""
-    width = 2 * scene.needs().area_lights
+    areas = scene.needs().area_lights
     times = None
     if scene.needs().shutter:
         assert scene.camera.shutter is not None
         times = np.linspace(*scene.camera.shutter, MOMENTS)
-    lights = _light_points(scene, samplers.points("halton", MOMENTS, width)) if width else ()
+    u = samplers.points("halton", MOMENTS, 2 * areas).reshape(MOMENTS, areas, 2) if areas else None
+    lights = _light_points(scene, u)
     return Frames(np.zeros((MOMENTS, 2)), np.full(MOMENTS, 1.0 / MOMENTS), times, lights=lights)
 
 
 def light_grid(mode: Spec) -> LightGrid:
     """What the mode says of area lights."""
     return LightGrid(int(mode.word("light_grid")), mode.word("light_adaptive"), mode.word("light_jitter") == "on")
-
-
-def shutter_times(scene: Scene, u: Array) -> Array:
-    """The times (n,) at which the shutter's response has let the shares u (n,) of all its light through."""
-    assert scene.camera.shutter is not None
-    opening, closing = scene.camera.shutter
-    if scene.camera.response == "triangle":
-        u = np.where(u < 0.5, np.sqrt(0.5 * u), 1.0 - np.sqrt(0.5 * (1.0 - u)))
-    times: Array = opening + (closing - opening) * u
-    return times
-
-
-def lens_points(scene: Scene, u: Array) -> Array:
-    """Points (n, 2) spread evenly over the aperture: the disc of the lens, by the concentric map, or the regular
-    polygon inscribed in it with a corner upward, a triangle for each blade."""
-    radius, blades = scene.camera.lens_radius, scene.camera.blades
-    assert radius is not None
-    if blades < 3:
-        return radius * DISC.sample(u)
-    place = blades * u[:, 0]
-    blade = np.minimum(np.floor(place), blades - 1.0)
-    angles = 0.5 * math.pi + 2.0 * math.pi / blades * (blade[:, np.newaxis] + np.array([0.0, 1.0]))
-    corners = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    # Of a triangle with a corner in the middle: the square root spreads the distance from it, evenly over the area.
-    reach, along = np.sqrt(place - blade)[:, np.newaxis], u[:, 1:]
-    points: Array = radius * reach * ((1.0 - along) * corners[:, 0] + along * corners[:, 1])
-    return points
 
 
 def moments(scene: Scene, times: Array | None) -> Iterator[Scene]:

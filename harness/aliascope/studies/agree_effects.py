@@ -20,6 +20,9 @@ from aliascope.studies.agree_judge import Effect
 FINE = 16
 SAMPLES = 16
 """Of a pixel of the fine picture."""
+PAIRED = 4096
+"""Of a pixel, where a scene and one that was changed are rendered with the same samples: noise in their difference
+would make less of the flaw than there is."""
 PASSES = 8
 """Fine pictures of single passes, for a scene of which each pass shows another lens point, time or point of a light."""
 
@@ -111,6 +114,19 @@ def _between(sums: Array, places: Array) -> Array:
 
 def _of_scenes(scene: Scene, size: tuple[int, int]) -> list[Effect]:
     """Those of what only some scenes have: the scene changed, and rendered with the same samples."""
+    changed = changed_scenes(scene)
+    if not changed:
+        return []
+    mode = f"uniform:n={PAIRED},sampler=sobol,sampler.scramble=owen"
+    plain = _picture(scene, size, "embree", mode, 3)
+    return [
+        Effect(name, 100.0 * WIDER, "%", _picture(other, size, "embree", mode, 3) - plain)
+        for name, other in changed.items()
+    ]
+
+
+def changed_scenes(scene: Scene) -> dict[str, Scene]:
+    """The scene with what it has beside its pixels made wider or shorter, each by itself, by the name of the flaw."""
     needs, camera = scene.needs(), scene.camera
     changed: dict[str, Scene] = {}
     if needs.lens:
@@ -124,14 +140,7 @@ def _of_scenes(scene: Scene, size: tuple[int, int]) -> list[Effect]:
         changed["shorter shutter"] = scene.model_copy(update={"camera": camera.model_copy(update=shutter)})
     if needs.area_lights:
         changed["wider lights"] = scene.model_copy(update={"lights": tuple(map(_wider, scene.lights))})
-    if not changed:
-        return []
-    mode = f"uniform:n={SAMPLES * FINE},sampler=sobol,sampler.scramble=owen"
-    plain = _picture(scene, size, "embree", mode, 3)
-    return [
-        Effect(name, 100.0 * WIDER, "%", _picture(other, size, "embree", mode, 3) - plain)
-        for name, other in changed.items()
-    ]
+    return changed
 
 
 def _wider(light: AnyLight) -> AnyLight:

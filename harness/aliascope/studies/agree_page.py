@@ -41,14 +41,17 @@ def page_of(answer: Answer) -> TeachingPage:
         for cell in answer.cells
         for each in cell.known
     )
+    empty = bool(_of(answer, "empty")) or bool(answer.skipped)
     sections = [
         Section("verdicts", "The verdicts", (summary(answer) + ".", _TEXT), (_verdicts(answer),)),
         Section("differ", "What differs", definitions=tuple(wrong)) if wrong else None,
         Section("known", "What is known to differ", definitions=tuple(known)) if known else None,
         Section("power", "What it would have found", (_POWER,), (_power(answer),)),
         Section("effects", "What was found", (_FOUND,), tuple(_effects(answer))),
-        Section("maps", "Where", (_MAPS,), panels=tuple(_maps(answer)), columns=3),
+        Section("maps", "Where", (_MAPS,), panels=tuple(_maps(answer)), columns=5),
+        Section("empty", "What two do not both draw", definitions=tuple(_empty(answer))) if empty else None,
         Section("granted", "What is granted beside the standard errors", definitions=BOUNDS),
+        Section("made", "How it was made", definitions=(*answer.modes.items(), ("command", command(answer)))),
         Section("files", "Files beside this page", files=(("All figures", (("results.json", "results.json"),)),)),
     ]
     return TeachingPage(
@@ -58,12 +61,7 @@ def page_of(answer: Answer) -> TeachingPage:
             f"light. Each drew {asked.replicates} pictures with other seeds: their means are compared, and how they "
             "scatter says what may be chance."
         ),
-        facts=(
-            f"version {places.own_version()}",
-            f"{asked.size[0]} × {asked.size[1]} pixels",
-            *(f"{name} {mode}" for name, mode in answer.modes.items()),
-            command(answer),
-        ),
+        facts=(f"version {places.own_version()}", f"{asked.size[0]} × {asked.size[1]} pixels"),
         sections=tuple(section for section in sections if section),
     )
 
@@ -99,6 +97,18 @@ _MAPS = (
 
 def _of(answer: Answer, verdict: str) -> list[Cell]:
     return [cell for cell in answer.cells if cell.verdict == verdict]
+
+
+def _empty(answer: Answer) -> Iterable[tuple[str, str]]:
+    """The scenes of each reason, and renderers that are not there."""
+    scenes: dict[str, list[str]] = {}
+    for cell in _of(answer, "empty"):
+        named = scenes.setdefault(cell.reason, [])
+        if cell.scene not in named:
+            named.append(cell.scene)
+    for reason, named in scenes.items():
+        yield ", ".join(named), reason
+    yield from answer.skipped.items()
 
 
 def _pairs(answer: Answer) -> list[tuple[str, str]]:

@@ -104,19 +104,19 @@ def _cell(cell: Cell) -> dict[str, Any]:
     made: dict[str, Any] = {"scene": cell.scene, "renderers": [cell.one, cell.other], "verdict": cell.verdict}
     if cell.judgement is None:
         return made | {"reason": cell.reason}
-    worst = cell.judgement.worst.values()
     return made | {
         "known": [{"reason": each.reason, "most": each.most} for each in cell.known],
         "tests": {
             each.kind: {
-                "count": next(tests.difference.size for tests in cell.judgement.tests if tests.kind == each.kind),
+                "count": tests.difference.size,
+                "limits": [float(tests.limit.min()), float(tests.limit.max())],
                 "where": place_of(each, cell),
                 "difference": each.difference,
                 "standard_error": each.standard_error,
                 "limit": each.limit,
                 "share": _finite(each.share),
             }
-            for each in worst
+            for each, tests in zip(cell.judgement.worst.values(), cell.judgement.tests, strict=True)
         },
         "effects": {
             found.effect.name: {
@@ -138,6 +138,8 @@ def _cell(cell: Cell) -> dict[str, Any]:
 
 def amount(value: float, unit: str) -> str:
     """A figure with its unit."""
+    if unit == "px" and value == 1.0 / 32.0:
+        return "1/32 px"
     return f"{value:.2g}{'' if unit in ('%', '/255') else ' '}{unit}"
 
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from aliascope import jobs, plan, renderers, scene_io
 from aliascope.errors import InvalidInput, SpecError, near_misses
 from aliascope.jobs import Plan
+from aliascope.model import Scene
 from aliascope.native import samplers
+from aliascope.renderers.base import DIMENSIONS
 from aliascope.scene_io import SceneFile
-from aliascope.specs import label, spelled_out, split
+from aliascope.specs import Spec, join, label, spelled_out, split
 
 WILDCARDS = frozenset("*?[")
 
@@ -36,8 +38,30 @@ def plan_of(
         wanted = {name: _arranged(name, found, arrangements) for name, found in wanted.items()}
     files = [scene_io.load(name) for name in scenes_of(scenes)]
     check_names(files)
-    made = jobs.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen)
+    # Modes that were named are for all scenes: a cell that one of them cannot fill says why.
+    suits = None if modes else _suits(profile)
+    made = jobs.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen, suits=suits)
     return replace(made, about=_about(profile, [file.name for file in files], own, wanted))
+
+
+def _suits(profile: str) -> Callable[[str, Spec, Scene], bool]:
+    """Whether a mode of a profile, however its dimensions are arranged, is one for a kind of scene."""
+    canonical = {
+        name: {
+            kind: {renderers.mode_of(renderers.find(name), mode).text for mode in modes}
+            for kind, modes in kinds.items()
+        }
+        for name, kinds in plan.KINDS[profile].items()
+    }
+
+    def suits(renderer: str, spec: Spec, scene: Scene) -> bool:
+        kinds = canonical.get(renderer, {})
+        name, pairs = split(spec.text)
+        pairs.pop(DIMENSIONS.name, None)
+        text = join(name, pairs)
+        return text in kinds.get(plan.kind_of(scene), ()) or not any(text in modes for modes in kinds.values())
+
+    return suits
 
 
 def check_names(files: Sequence[SceneFile]) -> None:
