@@ -44,7 +44,10 @@ static double cap_point(const asc_light *given, const double u[2], const double 
 /* How near to a light the tracer cannot tell what lies where: a few roundings of float, of the larger coordinates. */
 static double blur(const double chosen[3], const double point[3]) {
   double largest = 0.0;
-  for (int i = 0; i < 3; i++) largest = fmax(largest, fmax(fabs(chosen[i]), fabs(point[i])));
+  for (int i = 0; i < 3; i++) {
+    const double first = fabs(chosen[i]), second = fabs(point[i]), larger = first > second ? first : second;
+    largest = larger > largest ? larger : largest; /* fmax is a call */
+  }
   return 128.0 * FLT_EPSILON * largest;
 }
 
