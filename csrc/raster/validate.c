@@ -59,6 +59,9 @@ static asc_status check_view(const asc_view *view, asc_error *error) {
 }
 
 static asc_status check_materials(const asc_scene *scene, asc_error *error) {
+  if (scene->transport.diffuse_bounces > 0) {
+    return asc_fail(error, ASC_UNSUPPORTED, "the scene has diffuse bounces, which are not drawn");
+  }
   for (size_t i = 0; i < scene->material_count; ++i) {
     const asc_material *material = &scene->materials[i];
     const asc_pattern *pattern = &material->pattern;

@@ -105,7 +105,7 @@ static int towards_emitter(const tracer *made, packet *rays, uint32_t lane, cons
   double largest = 0.0;
   for (int channel = 0; channel < 3; channel++) {
     gives[channel] = share[channel] * chosen.radiance[channel] / chosen.density;
-    largest = fmax(largest, fabs(gives[channel]));
+    largest = larger(largest, fabs(gives[channel]));
   }
   if (!(largest > 0.0) || meeting_planes_block(made, rays->time[lane], origin, way, distance)) return 0;
   set_shadow_ray(rays, lane, origin, way, distance);

@@ -141,6 +141,21 @@ static int choose_of_ball(const double centre[3], double radius, const double u[
   return 1;
 }
 
+/* Points and directions of what stands still, where `at` is NULL, are where they are. */
+static void placed(const placing *at, const double rest[3], double moved[3]) {
+  if (at)
+    motion_place(at, rest, moved);
+  else
+    memcpy(moved, rest, 3 * sizeof *moved);
+}
+
+static void turned(const placing *at, const double rest[3], double moved[3]) {
+  if (at)
+    motion_turn(at, rest, moved);
+  else
+    memcpy(moved, rest, 3 * sizeof *moved);
+}
+
 /* Places of triangles and discs, uniform by area. */
 static int choose_of_flat(const emitter *from, const placing *at, const double u[2], const double seen_from[3],
                           emitter_place *chosen) {
@@ -154,8 +169,8 @@ static int choose_of_flat(const emitter *from, const placing *at, const double u
   }
   for (int i = 0; i < 3; i++) still[i] = from->corner[i] + along[0] * from->edges[0][i] + along[1] * from->edges[1][i];
   cross(from->edges[0], from->edges[1], product);
-  motion_place(at, still, chosen->point);
-  motion_turn(at, product, normal);
+  placed(at, still, chosen->point);
+  turned(at, product, normal);
   for (int i = 0; i < 3; i++) way[i] = chosen->point[i] - seen_from[i];
   const double squared = dot(way, way), length = length_of(normal), facing = dot(normal, way);
   const double cosine = fabs(facing) / (length * sqrt(squared));
@@ -165,32 +180,28 @@ static int choose_of_flat(const emitter *from, const placing *at, const double u
   return 1;
 }
 
-static placing placing_of(const tracer *made, surface of, double time) {
-  static const placing still = {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, {0.0}};
-  const asc_motion *motion = tracer_motion(made, of);
-  return motion ? motion_at(motion, time) : still;
-}
-
 int emitter_choose(const tracer *made, double time, const double u[2], const double seen_from[3],
                    emitter_place *chosen) {
   double numbers[2] = {0.0, u[1]}, centre[3], rest[3], colour[3];
   const emitter *from = pick(made, u[0], &numbers[0]);
-  const placing at = placing_of(made, from->of, time);
+  const asc_motion *motion = tracer_motion(made, from->of);
+  placing moved;
+  if (motion) moved = motion_at(motion, time);
+  const placing *at = motion ? &moved : NULL;
   int seen;
   if (from->of.kind == SPHERES) {
     const ball *round = &made->balls[from->of.number];
-    motion_place(&at, round->centre, centre);
+    placed(at, round->centre, centre);
     seen = choose_of_ball(centre, round->radius, numbers, seen_from, chosen);
   } else {
-    seen = choose_of_flat(from, &at, numbers, seen_from, chosen);
+    seen = choose_of_flat(from, at, numbers, seen_from, chosen);
   }
   if (!seen) return 0;
   chosen->density *= from->chance;
   const asc_material *material = &made->materials[made->material_of[from->of.kind][from->of.number]];
-  const double nowhere[3] = {0.0, 0.0, 0.0};
-  double no_way[3];
-  motion_ray_to_rest(&at, chosen->point, nowhere, rest, no_way);
-  chosen->slack = meeting_slack(made, tracer_motion(made, from->of), rest);
+  memcpy(rest, chosen->point, sizeof rest);
+  if (motion) motion_ray_to_rest(at, chosen->point, (const double[3]){0.0, 0.0, 0.0}, rest, (double[3]){0.0});
+  chosen->slack = meeting_slack(made, motion, rest);
   meeting_colour(made, material, rest, colour);
   for (int channel = 0; channel < 3; channel++)
     chosen->radiance[channel] = colour[channel] * material->emission[channel];
@@ -204,9 +215,11 @@ double emitter_density(const tracer *made, double time, const meeting *met, cons
   const emitter *from = &made->emitters[listed[met->of.number] - 1];
   if (met->of.kind == SPHERES) {
     const ball *round = &made->balls[met->of.number];
-    const placing at = placing_of(made, met->of, time);
+    const asc_motion *motion = tracer_motion(made, met->of);
+    placing moved;
+    if (motion) moved = motion_at(motion, time);
     double centre[3], axis[3];
-    motion_place(&at, round->centre, centre);
+    placed(motion ? &moved : NULL, round->centre, centre);
     for (int i = 0; i < 3; i++) axis[i] = centre[i] - origin[i];
     const double distance = length_of(axis);
     if (distance > round->radius) return from->chance / (2.0 * ASC_PI * cap_of(round->radius, distance));

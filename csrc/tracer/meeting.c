@@ -129,7 +129,7 @@ void meeting_find(const tracer *made, const packet *rays, uint32_t lane, meeting
  * Embree's motion is off. */
 void meeting_lift(const double point[3], const double normal[3], double slack, double lifted[3]) {
   double largest = 0.0;
-  for (int i = 0; i < 3; i++) largest = fabs(point[i]) > largest ? fabs(point[i]) : largest; /* fmax is a call */
+  for (int i = 0; i < 3; i++) largest = larger(largest, fabs(point[i]));
   for (int i = 0; i < 3; i++) lifted[i] = point[i] + normal[i] * (16.0 * FLT_EPSILON * largest + 2.0 * slack);
 }
 

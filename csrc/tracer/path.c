@@ -65,8 +65,9 @@ static void set_chances(const transport *far, path *way, const meeting *met, uin
   double mirror = 0.0, scatter = 0.0;
   for (int channel = 0; channel < 3; channel++) {
     const double left = way->throughput[channel];
-    if (way->mirrors_left > 0) mirror = fmax(mirror, left * met->material->reflection[channel]);
-    if (way->scatters_left > 0) scatter = fmax(scatter, left * (met->colour[channel] * met->material->albedo[channel]));
+    if (way->mirrors_left > 0) mirror = larger(mirror, left * met->material->reflection[channel]);
+    if (way->scatters_left > 0)
+      scatter = larger(scatter, left * (met->colour[channel] * met->material->albedo[channel]));
   }
   const double sum = mirror + scatter;
   way->mirror = way->scatter = 0.0;
@@ -100,7 +101,7 @@ static int scatter(packet *rays, uint32_t lane, const meeting *met, const double
   lobe_cosine(met->normal, u, rays->direction[lane]);
   for (int channel = 0; channel < 3; channel++)
     way->throughput[channel] *= met->colour[channel] * met->material->albedo[channel] / way->scatter;
-  way->density = way->scatter * fmax(0.0, dot(met->normal, rays->direction[lane])) / ASC_PI;
+  way->density = way->scatter * larger(0.0, dot(met->normal, rays->direction[lane])) / ASC_PI;
   way->scatters_left--;
   rays->counts.bounce++;
   return 1;

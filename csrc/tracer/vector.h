@@ -12,6 +12,9 @@ static inline void cross(const double a[3], const double b[3], double product[3]
   product[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/* fmax without its care for what is no number, which is a call. */
+static inline double larger(double a, double b) { return a > b ? a : b; }
+
 static inline int finite3(const double v[3]) { return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]); }
 
 /* Two directions of length 1 across a third (Duff et al. 2017, "Building an orthonormal basis, revisited"). */

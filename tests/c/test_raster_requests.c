@@ -134,6 +134,9 @@ static void test_what_only_the_tracer_draws_is_refused(void **state) {
   stage *s = crowd(&sphere, 1, 1);
   s->materials[0].reflection[1] = 0.1;
   refused_as(s, ASC_UNSUPPORTED, "mirrors");
+  s = crowd(&sphere, 1, 1);
+  s->scene.transport.diffuse_bounces = 1;
+  refused_as(s, ASC_UNSUPPORTED, "bounces");
 }
 
 static void test_bad_requests_are_refused(void **state) {

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from transport_scenes import drawn, grey, quad, scene_of
 
-from aliascope.model import Scene
+from aliascope.model import Frames, LoadedMesh, Scene
 from aliascope.native.tracer import Tracer
 from aliascope.renderers import embree, mode_of
 from aliascope.renderers.base import Request
@@ -113,6 +113,23 @@ def test_squares_see_each_other_by_their_form_factor(
     away = np.s_[:, 2:] if height == 9.0 else np.s_[:, :]
     assert lit[away].mean(axis=(0, 1)) == pytest.approx(got[away].mean(axis=(0, 1)), rel=1e-3)
     assert np.abs(lit - got)[away].max() < 0.01
+
+
+def test_a_mesh_of_frames_that_shines_is_found_by_rays_alone() -> None:
+    """A lamp whose two frames are one: no dimension for its place, no shadow ray, the light of one at rest."""
+    lamp = quad("lamp", (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
+    still = receiver(0.5, lamp, diffuse_bounces=1)
+    corners = np.array(lamp["points"])
+    triangles = np.stack([corners[[0, 1, 2]], corners[[0, 2, 3]]])
+    frames = Frames(type="frames", files=("again.ply",))
+    mesh = LoadedMesh(material="lamp", motion=frames, sha256="0", triangles=triangles, frames=triangles[np.newaxis])
+    camera = still.camera.model_copy(update={"shutter": (0.0, 1.0)})
+    scene = still.model_copy(update={"camera": camera}).with_meshes({1: mesh})
+    assert (still.needs().emitters, scene.needs().emitters) == (1, 0)
+    assert Tracer(scene, (8, 8)).dimensions == scene.needs().dimensions == 2 + 1 + 3
+    got, cost = drawn(scene, (16, 16), 1024)
+    assert cost.shadow_rays == 0
+    assert got.mean(axis=(0, 1)) == pytest.approx(0.8 * PARALLEL * np.array([1.0, 2.0, 0.5]), rel=2e-3)
 
 
 def test_discs_and_balls_shine_as_lights_of_their_kind_do() -> None:
