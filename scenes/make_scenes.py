@@ -216,6 +216,55 @@ def soft_shadow() -> str:
     )
 
 
+def highlights() -> str:
+    """Bars of light and lamps, 10^4 times as bright as the walls behind them, over a floor that mirrors them."""
+    text = (
+        COMMAND
+        + 'title = "Highlights"\nshows = "Tubes and points of light thinner than a pixel, ten thousand times as bright '
+        + 'as what is behind them, and their images in a floor: one sample that hits outweighs all that miss."\n'
+        + "\n[view]\nsize = [128, 96]\nbackground = [0.0193, 0.0237, 0.0341]\n"
+        + '\n[camera]\ntype = "perspective"\neye = [0.0713, 0.8137, 5.1937]\nlook_at = [0.0713, 0.7319, 0.0]\n'
+        + "vertical_fov_degrees = 33.19\n"
+        + "\n[transport]\nmirror_bounces = 1\n"
+        + "\n[materials.floor]\nemission = [0.0119, 0.0137, 0.0173]\nreflection = [0.4937, 0.5219, 0.5713]\n"
+    )
+    text += emissions(
+        {
+            "house0": "0.0719, 0.0633, 0.0937",
+            "house1": "0.1137, 0.0819, 0.0713",
+            "house2": "0.0519, 0.0913, 0.1073",
+            "pink": "193.7, 47.19, 121.3",
+            "cyan": "37.19, 171.3, 201.9",
+            "amber": "213.7, 137.3, 31.73",
+            "lamp": "237.1, 219.3, 181.9",
+        }
+    )
+    text += solid(
+        "floor", [(-4.1373, 0.0, -2.6719), (4.2719, 0.0, -2.5937), (3.0913, 0.0, 4.1137), (-3.2137, 0.0, 4.0719)]
+    )
+    walls = [
+        (-1.9137, -1.1319, 1.4719),
+        (-1.0371, -0.3319, 1.0137),
+        (-0.2519, 0.4713, 1.7319),
+        (0.5519, 1.2137, 1.1937),
+        (1.2919, 2.0373, 1.5519),
+    ]
+    for k, (left, right, top) in enumerate(walls):
+        z = -0.6137 - 0.0719 * k
+        text += solid(f"house{k % 3}", [(left, 0.0, z), (right, 0.0, z), (right, top, z), (left, top, z)])
+    for k in range(11):
+        x, low, high = -1.7719 + 0.3473 * k, 0.1937 + 0.0713 * math.sin(2.3 * k), 0.7137 + 0.2719 * math.cos(1.7 * k)
+        thick, lean = 0.0037 + 0.00171 * (k % 4), 0.2473 * math.sin(3.1 * k)
+        points = [(x, low), (x + thick, low), (x + thick + lean, high), (x + lean, high)]
+        text += solid(("pink", "cyan", "amber")[k % 3], [(px, py, -0.3719 + 0.0137 * k) for px, py in points])
+    for k in range(9):
+        x, y, z = -1.7137 + 0.4319 * k, 1.1713 + 0.3137 * math.sin(4.7 * k + 0.9), -0.2137 + 0.0119 * k
+        radius = 0.0037 + 0.00193 * (k % 5)
+        turns = [0.3137 * k + 2 * math.pi * j / 11 for j in range(11)]
+        text += solid("lamp", [(x + radius * math.cos(a), y + radius * math.sin(a), z) for a in turns])
+    return text
+
+
 def terrain_mesh() -> trimesh.Trimesh:
     """A height field of 224 x 224 cells: hills, and ridges down to the size of a cell."""
     cells = 224
@@ -239,6 +288,7 @@ def main() -> None:
     (HERE / "depth-of-field.toml").write_text(depth_of_field())
     (HERE / "motion-blur.toml").write_text(motion_blur())
     (HERE / "soft-shadow.toml").write_text(soft_shadow())
+    (HERE / "highlights.toml").write_text(highlights())
     terrain_mesh().export(HERE / "terrain.ply", encoding="binary", vertex_normal=False)
 
 

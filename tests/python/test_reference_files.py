@@ -40,7 +40,7 @@ def nudge(by: float) -> Callable[[Pixels], None]:
 
 
 @pytest.mark.parametrize(
-    "name", ["edge", "zone-plate", "discs", "siemens-star", "comb", "checker-horizon", "depth-of-field"]
+    "name", ["edge", "zone-plate", "discs", "siemens-star", "comb", "checker-horizon", "depth-of-field", "highlights"]
 )
 def test_committed_references_hold(name: str) -> None:
     of = stored(name)

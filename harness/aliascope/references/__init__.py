@@ -11,7 +11,17 @@ import numpy as np
 from aliascope.errors import Unsupported
 from aliascope.geometry import frame_of
 from aliascope.model import Scene
-from aliascope.references import checkerboard, converged, defocus, discs, irradiance, moving, polygons, zone_plate
+from aliascope.references import (
+    checkerboard,
+    converged,
+    defocus,
+    discs,
+    irradiance,
+    mirrored,
+    moving,
+    polygons,
+    zone_plate,
+)
 from aliascope.references.converged import Plan
 from aliascope.references.result import Ambiguous, Method, Reference
 
@@ -22,6 +32,7 @@ METHODS: tuple[Method, ...] = (
     discs.METHOD,
     zone_plate.METHOD,
     checkerboard.METHOD,
+    mirrored.METHOD,
     moving.METHOD,
     defocus.METHOD,
     irradiance.METHOD,
