@@ -1,5 +1,6 @@
 #include "moment.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,7 +34,9 @@ struct moment {
   asc_light *lights;
   asc_motion *motions; /* axes of length 1 */
   size_t motion_count;
-  placing *placings;          /* by motion */
+  placing *placings;          /* by motion; nothing of those of frames */
+  double **frames;            /* by motion, as in asc_motion */
+  size_t *placed;             /* by motion of frames, how many triangles are in their place */
   uint32_t *motion_of[KINDS]; /* as in asc_scene; NULL: all of a kind stand still */
   turn *turns;
 };
@@ -75,9 +78,21 @@ static bool take_motions(moment *made, const asc_scene *from) {
   if (!made->motions || !made->placings) {
     return false;
   }
+  made->frames = calloc(from->motion_count + 1, sizeof *made->frames);
+  made->placed = calloc(from->motion_count + 1, sizeof *made->placed);
+  if (!made->frames || !made->placed) {
+    return false;
+  }
   for (size_t i = 0; i < made->motion_count; ++i) {
-    if (made->motions[i].kind == ASC_MOTION_ROTATE) {
+    const asc_motion *motion = &made->motions[i];
+    if (motion->kind == ASC_MOTION_ROTATE) {
       make_unit(made->motions[i].axis);
+    } else if (motion->kind == ASC_MOTION_FRAMES) {
+      const size_t triangles = motion->frame_count * motion->frame_triangles;
+      made->frames[i] = copy_of(motion->frames, triangles, 9 * sizeof(double));
+      if (!made->frames[i]) {
+        return false;
+      }
     }
   }
   size_t counts[KINDS];
@@ -230,6 +245,11 @@ void moment_destroy(moment *made) {
   free(made->riders);
   free(made->triangle_material);
   free(made->lights);
+  for (size_t i = 0; made->frames && i < made->motion_count; ++i) {
+    free(made->frames[i]);
+  }
+  free(made->frames);
+  free(made->placed);
   free(made->motions);
   free(made->placings);
   free(made->turns);
@@ -253,14 +273,42 @@ static void place_round(moment *to) {
   }
 }
 
-static void place_flat(moment *to) {
-  const places *rest = &to->rest;
+/* A triangle of a motion of frames, between the two around the time. */
+static void place_between(moment *to, size_t motion, size_t triangle, double time) {
+  const asc_motion *by = &to->motions[motion];
+  const size_t own = to->placed[motion]++;
+  const double steps = (double)by->frame_count;
+  const double before = fmin(fmax(floor(time * steps), 0.0), steps - 1.0);
+  const double share = time * steps - before;
+  const double *last = to->frames[motion] + 9 * ((size_t)before * by->frame_triangles + own);
+  const double *first = before == 0.0 ? to->rest.vertices + 9 * triangle : last - 9 * by->frame_triangles;
+  for (size_t k = 0; k < 9; ++k) {
+    to->now.vertices[9 * triangle + k] = (1.0 - share) * first[k] + share * last[k];
+  }
+}
+
+static void place_triangles(moment *to, double time) {
+  for (size_t i = 0; i < to->motion_count; ++i) {
+    to->placed[i] = 0;
+  }
   for (size_t i = 0; to->motion_of[TRIANGLES] && i < to->still.triangle_count; ++i) {
     const placing *at = placing_of(to, TRIANGLES, i);
-    for (size_t k = 3 * i; at && k < 3 * i + 3; ++k) {
-      motion_place(at, rest->vertices + 3 * k, to->now.vertices + 3 * k);
+    if (!at) {
+      continue;
+    }
+    const size_t motion = to->motion_of[TRIANGLES][i] - 1;
+    if (to->motions[motion].kind == ASC_MOTION_FRAMES) {
+      place_between(to, motion, i, time);
+      continue;
+    }
+    for (size_t k = 3 * i; k < 3 * i + 3; ++k) {
+      motion_place(at, to->rest.vertices + 3 * k, to->now.vertices + 3 * k);
     }
   }
+}
+
+static void place_planes(moment *to) {
+  const places *rest = &to->rest;
   for (size_t i = 0; to->motion_of[PLANES] && i < to->still.plane_count; ++i) {
     const placing *at = placing_of(to, PLANES, i);
     if (at) {
@@ -284,7 +332,8 @@ void moment_set(moment *to, double time) {
   for (size_t i = 0; i < to->motion_count; ++i) {
     to->placings[i] = motion_at(&to->motions[i], time);
   }
-  place_flat(to);
+  place_triangles(to, time);
+  place_planes(to);
   place_round(to);
   for (size_t i = 0; i < to->rider_count; ++i) {
     const placing *at = &to->placings[to->riders[i].motion];

@@ -119,7 +119,9 @@ const char text_checker[] = "#ifdef TURNED\n"
                             "  return float(sum - 2.0LF * floor(0.5LF * sum));\n"
                             "}\n";
 
-/* Whether anything meets from + t way for 0 < t < far. A way within a plane has an infinite t, or none. */
+/* Whether anything meets from + t way for 0 < t < far, but for a light's own end of the way: a surface on which it lies
+ * does not hide it; and from the light's own place, to 1.5e-5 of the coordinates, nothing is seen of it. A way within a
+ * plane has an infinite t, or none. */
 const char text_shadow[] =
     "layout(std430, binding = 3) readonly buffer Occluders { dvec4 occluders[]; };\n"
     "bool within(double t, double far) { return t > 0.0 && t < far; }\n"
@@ -127,6 +129,8 @@ const char text_shadow[] =
     "  return (plane.w - dot(plane.xyz, from)) / dot(plane.xyz, way);\n"
     "}\n"
     "bool shadowed(dvec3 from, dvec3 way, double far) {\n"
+    "  if (far == 1.0LF && dot(way, way) < 2.3e-10LF * dot(from, from)) return true;\n"
+    "  far *= 1.0LF - 1.0e-9LF;\n"
     "  int next = 0;\n"
     "#if SPHERES > 0\n"
     "  double square = dot(way, way);\n"

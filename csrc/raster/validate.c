@@ -211,40 +211,83 @@ static asc_status check_shadows(const asc_scene *scene, asc_error *error) {
   return ASC_OK;
 }
 
-static asc_status check_motion_indices(const uint32_t *motions, size_t count, size_t known, asc_error *error) {
+static asc_status check_motion_indices(const asc_scene *scene, const uint32_t *motions, size_t count, bool triangles,
+                                       asc_error *error) {
   for (size_t i = 0; motions && i < count; ++i) {
-    if (motions[i] > known) {
-      return asc_fail(error, ASC_INVALID_ARGUMENT, "a surface names motion %u of %zu", motions[i], known);
+    if (motions[i] > scene->motion_count) {
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "a surface names motion %u of %zu", motions[i], scene->motion_count);
+    }
+    if (!triangles && motions[i] > 0 && scene->motions[motions[i] - 1].kind == ASC_MOTION_FRAMES) {
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "a motion of frames moves triangles, and no other surface");
     }
   }
   return ASC_OK;
 }
 
-static asc_status check_motions(const asc_scene *scene, asc_error *error) {
-  for (size_t i = 0; i < scene->motion_count; ++i) {
-    const asc_motion *motion = &scene->motions[i];
-    if (motion->kind != ASC_MOTION_TRANSLATE && motion->kind != ASC_MOTION_ROTATE) {
-      return asc_fail(error, ASC_UNSUPPORTED, "motion %zu is of a kind that is not drawn, %d", i, (int)motion->kind);
+/* Frames move triangles alone, which have no pattern: it would be stretched with them. */
+static asc_status check_frames(const asc_scene *scene, size_t index, asc_error *error) {
+  const asc_motion *motion = &scene->motions[index];
+  const uint32_t named = (uint32_t)index + 1;
+  size_t count = 0;
+  for (size_t i = 0; scene->triangle_motion && i < scene->triangle_count; ++i) {
+    if (scene->triangle_motion[i] != named) {
+      continue;
     }
-    const bool turns = motion->kind == ASC_MOTION_ROTATE;
-    if (turns ? !usable(motion->axis, 3) || !usable(motion->centre, 3) || !usable(&motion->angle, 1)
-              : !usable(motion->by, 3)) {
-      return bad_number(error, "motion", i);
-    }
-    if (turns && is_zero(motion->axis)) {
-      return asc_fail(error, ASC_INVALID_ARGUMENT, "motion %zu needs an axis that is not 0", i);
+    ++count;
+    if (scene->materials[scene->triangle_material[i]].pattern.kind != ASC_PATTERN_NONE) {
+      return asc_fail(error, ASC_UNSUPPORTED, "triangle %zu has a pattern and a motion of frames, which is not drawn",
+                      i);
     }
   }
+  if (!motion->frames || motion->frame_count < 1 || motion->frame_triangles != count) {
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "motion %zu has %zu frames of %zu triangles, and %zu name it", index,
+                    motion->frames ? motion->frame_count : 0, motion->frame_triangles, count);
+  }
+  for (size_t i = 0; i < motion->frame_count; ++i) {
+    if (!usable(motion->frames + 9 * count * i, 9 * count)) {
+      return bad_number(error, "motion", index);
+    }
+  }
+  return ASC_OK;
+}
+
+static asc_status check_motion(const asc_scene *scene, size_t index, asc_error *error) {
+  const asc_motion *motion = &scene->motions[index];
+  bool fine = false;
+  switch (motion->kind) {
+  case ASC_MOTION_FRAMES: return check_frames(scene, index, error);
+  case ASC_MOTION_TRANSLATE: fine = usable(motion->by, 3); break;
+  case ASC_MOTION_ROTATE:
+    if (is_zero(motion->axis)) {
+      return asc_fail(error, ASC_INVALID_ARGUMENT, "motion %zu needs an axis that is not 0", index);
+    }
+    fine = usable(motion->axis, 3) && usable(motion->centre, 3) && usable(&motion->angle, 1);
+    break;
+  default:
+    return asc_fail(error, ASC_UNSUPPORTED, "motion %zu is of a kind that is not drawn, %d", index, (int)motion->kind);
+  }
+  return fine ? ASC_OK : bad_number(error, "motion", index);
+}
+
+static asc_status check_motions(const asc_scene *scene, asc_error *error) {
   if (scene->motion_count == 0) {
     return ASC_OK; /* nothing is looked up */
   }
   const uint32_t *motions[4] = {scene->triangle_motion, scene->disc_motion, scene->sphere_motion, scene->plane_motion};
   const size_t counts[4] = {scene->triangle_count, scene->disc_count, scene->sphere_count, scene->plane_count};
-  asc_status status = ASC_OK;
-  for (int kind = 0; kind < 4 && status == ASC_OK; ++kind) {
-    status = check_motion_indices(motions[kind], counts[kind], scene->motion_count, error);
+  for (size_t i = 0; i < scene->motion_count; ++i) {
+    asc_status status = check_motion(scene, i, error);
+    if (status != ASC_OK) {
+      return status;
+    }
   }
-  return status;
+  for (int kind = 0; kind < 4; ++kind) {
+    asc_status status = check_motion_indices(scene, motions[kind], counts[kind], kind == 0, error);
+    if (status != ASC_OK) {
+      return status;
+    }
+  }
+  return ASC_OK;
 }
 
 static bool arrays_are_there(const asc_scene *scene) {

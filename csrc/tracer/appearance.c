@@ -120,11 +120,20 @@ static int add_group(layout *to, uint32_t size, uint32_t *at) {
 /* The one place that says what a sample has numbers for, and in which order; tracer.h tells it. */
 static asc_status lay_out(tracer *made, asc_error *error) {
   layout *further = &made->further;
+  const transport *far = &made->transport;
   int there = add_group(further, 2, NULL);
   if (made->motion_count > 0) there = there && add_group(further, 1, &further->time);
   if (made->view.lens_radius > 0.0) there = there && add_group(further, 2, &further->lens);
   for (size_t i = 0; i < made->light_count; i++)
     if (light_has_area(&made->lights[i].given)) there = there && add_group(further, 2, &made->lights[i].numbers);
+  if (far->samples_emitters) there = there && add_group(further, 2, &further->emitter);
+  further->bounces = further->count;
+  further->bounce = (far->diffuse_bounces ? 1U : 0U) + (far->spreads ? 2U : 0U);
+  for (uint32_t i = 0; i < far->bounces; i++) {
+    uint32_t at;
+    if (far->diffuse_bounces) there = there && add_group(further, 1, &at);
+    if (far->spreads) there = there && add_group(further, 2, &at);
+  }
   return there ? ASC_OK : asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
 }
 

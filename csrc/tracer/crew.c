@@ -42,6 +42,7 @@ static void *work(void *argument) {
 static void add_cost(crew_cost *cost, const worker *from) {
   cost->cpu_seconds += from->cpu_seconds;
   cost->rays.reflection += from->rays.reflection;
+  cost->rays.bounce += from->rays.bounce;
   cost->rays.shadow += from->rays.shadow;
 }
 

@@ -1,5 +1,7 @@
 #include "light.h"
 
+#include <float.h>
+
 #include "concentric.h"
 #include "vector.h"
 
@@ -35,6 +37,17 @@ static double cap_point(const asc_light *given, const double u[2], const double 
   return share;
 }
 
+/* Of those: a surface through the light that is seen so flat that the way runs along it for longer than this may stand
+ * in its way; below that the way ends before it. */
+#define FREE_END 8.0
+
+/* How near to a light the tracer cannot tell what lies where: a few roundings of float, of the larger coordinates. */
+static double blur(const double chosen[3], const double point[3]) {
+  double largest = 0.0;
+  for (int i = 0; i < 3; i++) largest = fmax(largest, fmax(fabs(chosen[i]), fabs(point[i])));
+  return 128.0 * FLT_EPSILON * largest;
+}
+
 static double toward_point(const double chosen[3], const double point[3], double toward[3]) {
   for (int i = 0; i < 3; i++) toward[i] = chosen[i] - point[i];
   const double distance = sqrt(dot(toward, toward));
@@ -51,13 +64,10 @@ double light_toward(const light_source *from, const double u[2], const double po
     for (int i = 0; i < 3; i++) toward[i] = given->place[i];
     return INFINITY;
   }
-  double chosen[3] = {0.0}, normal[3] = {0.0}, seen = 1.0, distance;
+  double chosen[3] = {0.0}, normal[3] = {0.0}, seen = 1.0;
   if (given->kind == ASC_LIGHT_POINT) {
-    distance = toward_point(given->place, point, toward);
-    if (given->inverse_square) *arriving = 1.0 / (distance * distance);
-    return distance;
-  }
-  if (given->kind == ASC_LIGHT_SPHERE) {
+    for (int i = 0; i < 3; i++) chosen[i] = given->place[i];
+  } else if (given->kind == ASC_LIGHT_SPHERE) {
     const double share = cap_point(given, u, point, chosen, normal);
     if (share == 0.0) {
       *arriving = 0.0;
@@ -68,7 +78,12 @@ double light_toward(const light_source *from, const double u[2], const double po
     flat_point(given, u, chosen);
     for (int i = 0; i < 3; i++) normal[i] = from->normal[i];
   }
-  distance = toward_point(chosen, point, toward);
-  if (given->inverse_square) *arriving = seen * fmax(0.0, -dot(normal, toward)) / (distance * distance);
-  return distance;
+  const double distance = toward_point(chosen, point, toward), near = blur(chosen, point);
+  if (!(distance > near)) {
+    *arriving = 0.0;
+    return 0.0;
+  }
+  const double leaving = given->kind == ASC_LIGHT_POINT ? 1.0 : fmax(0.0, -dot(normal, toward));
+  if (given->inverse_square) *arriving = seen * leaving / (distance * distance);
+  return fmax(distance - FREE_END * near, 0.0);
 }

@@ -14,8 +14,9 @@ typedef struct light_source {
 int light_has_area(const asc_light *given);
 
 /* Toward the light's point that u chooses, of length 1, and how much arrives there: 1, or the fall-off, with the cosine
- * at the light where it has an area; 0 where the light does not shine that way. Gives the distance, infinite for a
- * directional light. */
+ * at the light where it has an area; 0 where the light does not shine that way, and where the point is so near
+ * that float does not part them. Gives how far the way has to be free: short of the light by 1.2e-4 of the coordinates,
+ * so that a surface on which it lies does not stand in its way; infinite for a directional light. */
 double light_toward(const light_source *from, const double u[2], const double point[3], double toward[3],
                     double *arriving);
 

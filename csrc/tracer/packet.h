@@ -11,13 +11,17 @@
 /* Rays that were traced, beside those from the eye. */
 typedef struct ray_counts {
   uint64_t reflection; /* along mirrors and in their lobes */
+  uint64_t bounce;     /* scattered by an albedo */
   uint64_t shadow;
 } ray_counts;
 
 /* How a lane's path has come to where its ray ends. */
 typedef struct path {
   double throughput[3]; /* the share of the radiance there that the path brings to the eye, over its chances */
-  uint32_t mirrors_left;
+  uint32_t mirrors_left, scatters_left;
+  double density; /* with which its last direction was chosen, in a steradian; -1 where there was no choice */
+  double mirror,
+      scatter; /* the chances that it goes on by the reflection, or by the albedo; set once a ray has ended */
 } path;
 
 typedef struct packet {

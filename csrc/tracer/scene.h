@@ -28,6 +28,9 @@ typedef struct ball {
 typedef struct layout {
   uint32_t time;
   uint32_t lens;
+  uint32_t emitter;
+  uint32_t bounces; /* of the first; `bounce` numbers each */
+  uint32_t bounce;
   uint32_t count;
   uint32_t *groups; /* how many numbers belong together, the first two included */
   size_t group_count;
@@ -39,10 +42,19 @@ typedef struct part {
   uint32_t *members; /* by primitive, the surface's number among those of its kind */
 } part;
 
+/* What finds the light of surfaces that shine: rays sent to them and rays that come upon them, each weighted by its
+ * density (the balance heuristic of Veach and Guibas 1995), or, for tests, one of the two alone. */
+typedef enum emission_from { FROM_BOTH = 0, FROM_EMITTERS = 1, FROM_RAYS = 2 } emission_from;
+
 /* How far light is followed. */
 typedef struct transport {
   uint32_t bounces; /* the most of one path; 0 where no surface sends it on */
   uint32_t mirror_bounces;
+  uint32_t diffuse_bounces;
+  int spreads;          /* gloss or diffuse bounces: directions are chosen */
+  int samples_emitters; /* and there is a surface that shines, other than planes and meshes of frames */
+  emission_from emission_from;
+  uint32_t roulette_from; /* the bounce from which on a path may end by chance */
 } transport;
 
 typedef struct mesh_frames mesh_frames;
@@ -71,7 +83,11 @@ struct tracer {
   uint32_t *frame_member;                       /* by triangle, where frames.h has it among those of its motion */
   part *parts; /* by Embree's geometry; NULL where nothing moves: there it is the kind, with all its surfaces */
   size_t part_count;
-  int plain; /* no pattern, light, plane or bounce: what Embree finds is all that shading needs */
+  struct emitter *emitters;
+  size_t emitter_count;
+  uint32_t
+      *emitter_of[GEOMETRY_KINDS]; /* by surface, 0 where it does not shine, else one more than its index; or NULL */
+  int plain;                       /* no pattern, light, plane or bounce: what Embree finds is all that shading needs */
   double build_cpu_seconds;
 };
 

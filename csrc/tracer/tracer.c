@@ -7,6 +7,7 @@
 #include <time.h>
 
 #include "adaptive.h"
+#include "emitter.h"
 #include "filtered.h"
 #include "frames.h"
 #include "scene.h"
@@ -34,6 +35,7 @@ asc_status tracer_create(const asc_scene *scene, tracer **made, asc_error *error
     fresh->device = rtcNewDevice("threads=1,set_affinity=0,ignore_config_files=1");
     status = fresh->device ? tracer_take_geometry(fresh, scene, error)
                            : asc_fail(error, ASC_UNAVAILABLE, "Embree does not start on this machine");
+    if (status == ASC_OK) status = emitter_take(fresh, scene, error);
   }
   if (status) {
     tracer_destroy(fresh);
@@ -57,6 +59,7 @@ void tracer_destroy(tracer *made) {
   for (int kind = 0; kind < GEOMETRY_KINDS; kind++) {
     free(made->material_of[kind]);
     free(made->motion_of[kind]);
+    free(made->emitter_of[kind]);
   }
   for (size_t i = 0; i < made->part_count; i++) free(made->parts[i].members);
   free(made->parts);
@@ -69,6 +72,7 @@ void tracer_destroy(tracer *made) {
   free(made->balls);
   free(made->planes);
   free(made->lights);
+  free(made->emitters);
   free(made);
 }
 
@@ -123,6 +127,7 @@ static tracer_cost cost_of(const tracer *made, uint64_t samples, const crew_cost
   return (tracer_cost){.samples = samples,
                        .primary_rays = samples,
                        .reflection_rays = spent->rays.reflection,
+                       .bounce_rays = spent->rays.bounce,
                        .shadow_rays = spent->rays.shadow,
                        .cpu_seconds = spent->cpu_seconds,
                        .wall_seconds = wall_seconds,

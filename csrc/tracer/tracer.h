@@ -27,7 +27,15 @@ ASC_API void tracer_destroy(tracer *made);
  *   2      the point of the lens, where there is one: the disc by the concentric map; of a polygon's corners a_k, with
  *          k = floor(blades u), f = blades u - k and w the second, sqrt(w) ((1 - f) a_k + f a_(k + 1))
  *   2      each light with an area, in the scene's order: its point, uniform by area; of discs and of the cap of a
- *          sphere that is seen by the concentric map */
+ *          sphere that is seen by the concentric map
+ *   2      the place on a surface that shines, where there is one but for planes and meshes of frames, and gloss or
+ *          diffuse bounces: the first also says which, each as often as its power is of all
+ *   then for each bounce, `mirror_bounces` where a surface reflects and `diffuse_bounces` where one scatters:
+ *   1      how the path goes on, or ends, where there are diffuse bounces
+ *   2      the direction, where there are gloss or diffuse bounces
+ *
+ * Every vertex of a path takes the same numbers for a light. The estimate at each is unbiased by itself, and the sum so
+ * too. */
 ASC_API uint32_t tracer_dimensions(const tracer *made);
 
 /* The sizes of these groups, in their order: what asc_sampler_arrange takes. `count` gets how many there are; `sizes`,
@@ -48,7 +56,8 @@ typedef struct tracer_cost {
   double wall_seconds;
   double build_cpu_seconds; /* of the acceleration structure */
   uint64_t shadow_rays;
-  uint64_t reflection_rays; /* along mirrors */
+  uint64_t reflection_rays; /* along mirrors, and in their lobes */
+  uint64_t bounce_rays;     /* scattered by an albedo */
 } tracer_cost;
 
 /* Renders into `pixels`, [height][width][3] float, linear RGB, summed in double. With the box, each pixel's mean. With

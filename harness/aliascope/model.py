@@ -330,12 +330,19 @@ class Needs(Part):
     gloss: bool
     diffuse_bounces: int
     mirror_bounces: int
+    emitters: int
+    """Surfaces that shine, planes and meshes of frames not among them, where gloss or diffuse bounces look for them."""
 
     @property
     def groups(self) -> tuple[int, ...]:
         """The dimensions of a sample that belong together, in their order: two of the pixel, one of time, two of the
-        lens, two of each area light; tracer.h has the same. Reflection has none yet."""
-        return (2, *(1,) * self.shutter, *(2,) * self.lens, *(2,) * self.area_lights)
+        lens, two of each area light, two of the place on a surface that shines; then of each bounce one of the choice
+        how a path goes on, where there are diffuse ones, and two of a direction, where a mirror is not all there is.
+        tracer.h has the same."""
+        bounce = (1, 2) if self.diffuse_bounces else (2,) if self.gloss else ()
+        areas = self.area_lights + (self.emitters > 0)
+        bounces = bounce * (self.mirror_bounces + self.diffuse_bounces)
+        return (2, *(1,) * self.shutter, *(2,) * self.lens, *(2,) * areas, *bounces)
 
     @property
     def dimensions(self) -> int:
@@ -381,22 +388,29 @@ class Scene(Part):
         """A lens of radius 0, a shutter that nothing moves under, a material that no surface has, bounces between
         surfaces that scatter nothing: none of them is needed."""
         shutter = self.camera.shutter
+        is_open = shutter is not None and shutter[0] < shutter[1]
         used = {surface.material for surface in self.surfaces}
-        mirrors = [each for name, each in self.materials.items() if name in used and any(each.reflection)]
+        materials = [each for name, each in self.materials.items() if name in used]
+        mirrors = [each for each in materials if any(each.reflection)]
+        gloss = any(each.gloss is not None for each in mirrors)
+        scatters = any(any(each.albedo) for each in materials)
+        diffuse_bounces = self.transport.diffuse_bounces if scatters else 0
+        emitters = sum(
+            any(self.materials[each.material].emission)
+            and not isinstance(each, Plane)
+            and not (is_open and isinstance(each.motion, Frames))
+            for each in self.surfaces
+        )
         return Needs(
             lens=bool(self.camera.lens_radius),
-            shutter=shutter is not None
-            and shutter[0] < shutter[1]
-            and any(surface.motion for surface in self.surfaces),
+            shutter=is_open and any(surface.motion for surface in self.surfaces),
             area_lights=sum(isinstance(light, AreaLight | DiscLight | SphereLight) for light in self.lights),
             mirror=any(each.gloss is None for each in mirrors),
-            gloss=any(each.gloss is not None for each in mirrors),
-            diffuse_bounces=self.transport.diffuse_bounces if self._scatters(used) else 0,
+            gloss=gloss,
+            diffuse_bounces=diffuse_bounces,
             mirror_bounces=self.transport.mirror_bounces if mirrors else 0,
+            emitters=emitters if gloss or diffuse_bounces else 0,
         )
-
-    def _scatters(self, used: set[str]) -> bool:
-        return any(any(self.materials[name].albedo) for name in used)
 
     def digest(self) -> str:
         """SHA-256, in hexadecimal, of what a picture of the scene depends on: not of its words, and a default that is

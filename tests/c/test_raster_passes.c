@@ -9,8 +9,6 @@ static asc_motion *add_motion(stage *s, asc_motion_kind kind) {
   return &s->motions[s->scene.motion_count++];
 }
 
-/* The lens */
-
 static stage *lens_stage(double focus) {
   stage *s = new_stage(ASC_PERSPECTIVE);
   s->scene.view.lens_radius = 2.5;
@@ -141,8 +139,6 @@ static void test_shading_is_where_the_ray_from_the_lens_meets(void **state) {
   }
   free(s);
 }
-
-/* Motion */
 
 /* One of each kind before a plane, in rings and checks, lit. */
 static stage *crowd(void) {
@@ -325,6 +321,13 @@ static void test_bad_lenses_motions_and_lights_are_refused(void **state) {
   REFUSED(ASC_PERSPECTIVE, add_light(s, ASC_LIGHT_DISC, 0.0, 0.0, 5.0)->edges[0][0] = 1.0, "light 0 has no area");
   REFUSED(ASC_PERSPECTIVE, add_light(s, ASC_LIGHT_SPHERE, 0.0, 0.0, 5.0), "light 0 has no area");
   REFUSED(ASC_PERSPECTIVE, add_light(s, ASC_LIGHT_SPHERE, 0.0, 0.0, 5.0)->radius = (double)NAN, "light 0");
+  static const double frames[9];
+  REFUSED(ASC_PERSPECTIVE, (add_motion(s, ASC_MOTION_FRAMES)->frames = frames, s->motions[0].frame_triangles = 1),
+          "0 name it");
+  REFUSED(ASC_PERSPECTIVE, add_motion(s, ASC_MOTION_FRAMES)->frame_count = 1, "0 frames");
+  REFUSED(ASC_PERSPECTIVE,
+          (add_motion(s, ASC_MOTION_FRAMES)->frames = frames, s->motions[0].frame_count = 1, s->motion_of[2][0] = 1),
+          "no other surface");
   stage *s = new_stage(ASC_PERSPECTIVE);
   add_motion(s, (asc_motion_kind)7);
   refused_as(s, ASC_UNSUPPORTED, "motion 0 is of a kind");

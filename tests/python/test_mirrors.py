@@ -115,6 +115,17 @@ def test_mirrors_that_face_each_other_end_after_the_bounces(bounces: int) -> Non
     assert (cost.primary_rays, cost.reflection_rays, cost.shadow_rays) == (45, 45 * bounces, 0)
 
 
+def test_the_chain_ends_where_there_are_diffuse_bounces_too() -> None:
+    """A path may have three bounces more here, and no mirror has them."""
+    scene = facing(mirror_bounces=2)
+    paper = {"type": "disc", "material": "paper", "centre": (50.0, 0.0, 0.0), "normal": (1.0, 0.0, 0.0), "radius": 0.1}
+    more = scene.model_dump() | {"transport": {"mirror_bounces": 2, "diffuse_bounces": 3}}
+    more |= {"materials": {**more["materials"], "paper": {"albedo": grey(0.5)}}, "surfaces": [*more["surfaces"], paper]}
+    got, cost = drawn(Scene.model_validate(more), (5, 3), 3)
+    np.testing.assert_allclose(got, 0.1 * (2.0 - 0.5**2), rtol=FLOAT, atol=0.0)
+    assert (cost.reflection_rays, cost.bounce_rays) == (90, 0)
+
+
 def test_lights_light_what_is_mirrored_and_are_not_seen() -> None:
     """A lamp between eye and mirror, and a wall behind the eye that it lights: the mirror shows the wall alone."""
     wall = {"type": "plane", "material": "wall", "point": (0.0, 0.0, 20.0), "normal": (0.0, 0.0, 1.0)}

@@ -13,7 +13,7 @@ from test_osmesa_light import BALL, CASTS, COIN, FLOOR, LAMP, ORTHOGRAPHIC, PERS
 
 from aliascope import scene_io
 from aliascope.errors import InvalidInput, Unsupported
-from aliascope.model import Scene
+from aliascope.model import Frames, LoadedMesh, Scene
 from aliascope.native import raster, samplers
 from aliascope.renderers import embree, mode_of
 from aliascope.renderers.base import Request, lacks
@@ -110,6 +110,35 @@ def test_converged_pictures_are_the_tracers(name: str) -> None:
     assert limits(whole).max() <= 1.0
     brighter = [both[0] * 1.01, both[1]]
     assert limits([each.mean(axis=(1, 2)) for each in brighter]).max() > 1.0  # the test can fail
+
+
+def crumpled(material: str, **more: Any) -> Scene:
+    """24 triangles in three frames of other shapes, and one that stands still, over the floor."""
+    random = np.random.default_rng(5)
+    shape = random.normal(0.0, 0.4, (24, 3, 3)) + random.uniform((-1.2, 0.6, -1.0), (1.2, 1.4, 1.0), (24, 1, 3))
+    frames = shape + np.cumsum(random.normal(0.0, 0.2, (3, 24, 3, 3)), axis=0)
+    going = Frames(type="frames", files=("1.ply", "2.ply", "3.ply"))  # of the names nothing depends on
+    mesh = LoadedMesh(material=material, sha256="", triangles=shape, motion=going, frames=frames)
+    still = LoadedMesh(material=material, sha256="", triangles=shape[:1] + 0.3)
+    scene = scene_of([FLOOR, SAIL | {"motion": TURNS}], [LAMP, SUN], camera=PERSPECTIVE | SHUTTER)
+    return scene.model_copy(update={"surfaces": (*scene.surfaces, still, mesh)})
+
+
+def test_a_mesh_of_frames_is_the_tracers() -> None:
+    scene = crumpled("matt")
+    seen = drawn(scene, "accumulate:n=8")
+    wanted = drawn(scene, "uniform:n=8,sampler=halton", renderer=embree.RENDERER)
+    differ = np.abs(seen - wanted).max(axis=2)
+    assert (differ > 1e-4).mean() < 0.01  # next to edges, of which there are many, float decides
+    assert np.median(differ) < 1e-6
+    assert np.abs(drawn(scene, "accumulate:n=1") - wanted).mean() > 0.01
+
+
+def test_a_pattern_that_is_stretched_is_an_empty_cell() -> None:
+    scene = crumpled("rings")
+    assert "stretches its pattern" in (lacks(RENDERER, scene, mode_of(RENDERER, "accumulate")) or "")
+    with pytest.raises(Unsupported, match="has a pattern and a motion of frames"):  # the library holds the same rule
+        drawn(scene, "accumulate")
 
 
 # Against closed forms

@@ -84,9 +84,14 @@ def test_what_a_mirror_adds_is_not_clipped() -> None:
     np.testing.assert_allclose(rendering.pixels[..., 1], 0.1, rtol=0, atol=STEP + 2.0**-23)
 
 
-def test_gloss_is_an_empty_cell() -> None:
+def test_gloss_and_diffuse_bounces_are_empty_cells_that_say_why() -> None:
     plane = {"type": "plane", "material": "steel", "point": (0, 0, 0), "normal": (0, 0, 1)}
-    steel = {"reflection": SHARES, "gloss": {"type": "phong", "exponent": 20.0}}
+    steel = {"albedo": (0.1, 0.1, 0.1), "reflection": SHARES, "gloss": {"type": "phong", "exponent": 20.0}}
     scene: Scene = scene_of([plane], {"steel": steel})
-    assert "gloss" in (lacks(RENDERER, scene, mode("none")) or "")
+    reason = lacks(RENDERER, scene, mode("none")) or ""
+    assert reason.startswith("POV-Ray here does not draw: gloss (POV-Ray 3.7 mirrors sharply;")
+    bounces = scene.transport.model_copy(update={"diffuse_bounces": 2})
+    reason = lacks(RENDERER, scene.model_copy(update={"transport": bounces}), mode("none")) or ""
+    assert "does not draw: diffuse bounces (POV-Ray's radiosity interpolates" in reason
+    assert "), gloss (" in reason
     assert lacks(RENDERER, scene_of([plane], {"steel": {"reflection": SHARES}}), mode("am1")) is None

@@ -73,7 +73,14 @@ def changed(*changes: tuple[str, str]) -> str:
 def test_what_a_scene_needs_is_read_off(tmp_path: Path) -> None:
     scene = load(tmp_path, WHOLE + "\n[transport]\ndiffuse_bounces = 3\n")
     assert scene.needs() == Needs(
-        lens=True, shutter=True, area_lights=1, mirror=False, gloss=True, diffuse_bounces=3, mirror_bounces=8
+        lens=True,
+        shutter=True,
+        area_lights=1,
+        mirror=False,
+        gloss=True,
+        diffuse_bounces=3,
+        mirror_bounces=8,
+        emitters=0,
     )
     assert scene.features() == {
         *("perspective", "sphere", "polygon", "lens", "motion", "gloss", "diffuse bounces", "area light")

@@ -2,10 +2,12 @@
  *
  * World: right-handed, y up. Pictures: row 0 on top, pixel (x, y) covers [x, x+1) x [y, y+1), so the picture position
  * (px, py) lies at (2 px / width - 1) half_width along `right` and (1 - 2 py / height) half_height along `up`.
- * Shading: pattern(p) (emission + albedo sum over lights of intensity max(0, n . l) visibility) + reflection (what is
- * seen along the mirrored ray), pattern(p) being 1 where a material has none, n the geometric normal turned toward the
- * viewer: light from the other side gives 0. Mirrors show surfaces and the background; `lights` are never seen. A
- * renderer refuses what it can't draw; nothing is dropped here.
+ * Shading: pattern(p) (emission + albedo sum over lights of intensity max(0, n . l) visibility), pattern(p) being 1
+ * where a material has none, n the geometric normal turned toward the viewer: light from the other side gives 0. To it
+ * come reflection (what is seen along the mirrored ray, or in its lobe) and, with diffuse bounces, pattern(p) albedo /
+ * pi (the integral over the hemisphere of the radiance of other surfaces and the background, times the cosine).
+ * `lights` are seen in neither; a surface with an emission is. A renderer refuses what it can't draw; nothing is
+ * dropped here.
  */
 #ifndef ASC_SCENE_H
 #define ASC_SCENE_H
@@ -51,11 +53,30 @@ typedef struct asc_pattern {
   double low[3], high[3]; /* linear RGB */
 } asc_pattern;
 
+typedef enum asc_lobe_kind {
+  ASC_LOBE_MIRROR = 0, /* all goes along the mirrored ray */
+  /* (exponent + 1) / (2 pi) cos^exponent of the angle to the mirrored ray, in a steradian; what of it lies below the
+   * surface is lost */
+  ASC_LOBE_PHONG = 1,
+  /* Microfacets without a Fresnel term: D(h) G(v, l) / (4 n . v), D of GGX (Walter et al. 2007, eq. 33) with alpha =
+   * roughness, G Smith's for heights that are correlated, 1 / (1 + Lambda(v) + Lambda(l)) (Heitz 2014, eqs. 72, 99) */
+  ASC_LOBE_GGX = 2
+} asc_lobe_kind;
+
+/* How the light that a surface reflects is spread: what of the radiance from a direction is sent to the viewer, in a
+ * steradian, the cosine included. No lobe sends more than what arrives. */
+typedef struct asc_lobe {
+  asc_lobe_kind kind;
+  double exponent;  /* 1 to 1e6 */
+  double roughness; /* 1e-3 to 1 */
+} asc_lobe;
+
 typedef struct asc_material {
   double emission[3]; /* linear RGB */
   asc_pattern pattern;
   double albedo[3];     /* linear RGB */
   double reflection[3]; /* linear RGB, the share of light that is mirrored; with albedo times pattern at most 1 */
+  asc_lobe gloss;       /* of the reflection */
 } asc_material;
 
 /* Each surface names its material by index. All surfaces are seen from both sides. */
@@ -122,7 +143,8 @@ typedef struct asc_light {
 
 /* How far light is followed. */
 typedef struct asc_transport {
-  uint32_t mirror_bounces; /* up to 64 reflections of a path; past them there is no light. 0: mirrors are black */
+  uint32_t mirror_bounces;  /* up to 64 reflections of a path; past them there is no light. 0: mirrors are black */
+  uint32_t diffuse_bounces; /* up to 64 times that a path is scattered by an albedo; 0: none lights another */
 } asc_transport;
 
 typedef struct asc_scene {

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from aliascope.cli.shared import Json, Seed, app, print_json
+from aliascope.cli.shared import Json, Seed, Size, app, print_json, size_of
 
 
 @app.command(epilog="Example: aliascope mitchell --half-count -o mitchell")
@@ -56,4 +56,40 @@ def mitchell(
         print_json(answer.document())
     else:
         for line in answer.lines():
+            typer.echo(line)
+
+
+@app.command(epilog="Example: aliascope space-time -n 16 -n 64 -o space-time")
+def space_time(
+    n: Annotated[
+        list[int] | None, typer.Option("-n", min=1, max=1024, help="Samples of a pixel, 16 and 64; several times.")
+    ] = None,
+    scene: Annotated[
+        str, typer.Option(help="A scene in motion, without a lens or lights with an area.")
+    ] = "motion-blur",
+    size: Size = "64x48",
+    realisations: Annotated[int, typer.Option(min=2, max=100000, help="Of each randomised pattern.")] = 64,
+    pictures: Annotated[int, typer.Option(min=2, max=10000, help="Of each randomised pattern.")] = 12,
+    seed: Seed = 0,
+    out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="A page with figures; CSV and JSON.")] = None,
+    as_json: Json = False,
+) -> None:
+    """Measure whether it pays that samples near each other in the pixel are far apart in time.
+
+    Of each pattern in x, y and t: how far near samples are apart in time, its discrepancy in each plane and in all
+    three, and the error of a picture in motion. The same places and times are compared dealt out at random, by tables
+    such as Cook's, and decorrelated.
+    """
+    from aliascope.studies import space_time_command as study
+    from aliascope.studies.space_time import COUNTS, Options
+
+    options = Options(realisations, pictures, seed)
+    found = study.answer(study.Asked(tuple(n or COUNTS), scene, size_of(size), options))
+    if out is not None:
+        first, *others = study.write(found, out)
+        typer.echo(f"wrote {first}, and {len(others)} files beside it", err=True)
+    if as_json:
+        print_json(study.document(found))
+    else:
+        for line in study.lines(found):
             typer.echo(line)

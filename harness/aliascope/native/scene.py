@@ -16,8 +16,10 @@ from aliascope.model import (
     DirectionalLight,
     DiscLight,
     Frames,
+    Ggx,
     Material,
     Motion,
+    Phong,
     PointLight,
     Rotate,
     Scene,
@@ -65,6 +67,7 @@ def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]
     packed.planes, packed.plane_count = planes, len(surfaces.planes)
     packed.lights, packed.light_count = lights, len(scene.lights)
     packed.transport.mirror_bounces = scene.needs().mirror_bounces
+    packed.transport.diffuse_bounces = scene.needs().diffuse_bounces
     keep = [materials, discs, spheres, planes, lights, vertices, triangle_material]
     if scene.needs().shutter:
         keep += _pack_motions(ffi, packed, scene, surfaces)
@@ -125,6 +128,12 @@ def _light(ffi: Any, light: AnyLight) -> dict[str, Any]:
 def _pack_material(ffi: Any, target: Any, material: Material) -> None:
     target.emission, target.albedo = list(material.emission), list(material.albedo)
     target.reflection = list(material.reflection)
+    lobes = ffi.typeof("asc_lobe_kind").relements
+    match material.gloss:
+        case Phong(exponent=exponent):
+            target.gloss.kind, target.gloss.exponent = lobes["ASC_LOBE_PHONG"], exponent
+        case Ggx(roughness=roughness):
+            target.gloss.kind, target.gloss.roughness = lobes["ASC_LOBE_GGX"], roughness
     kinds = ffi.typeof("asc_pattern_kind").relements
     names = {ZonePlate: "ASC_PATTERN_ZONE_PLATE", Checker: "ASC_PATTERN_CHECKER"}
     if material.pattern is None:

@@ -15,7 +15,7 @@ from aliascope.records import Counts, Pixels
 
 DRAWS = frozenset(
     {
-        *("orthographic", "perspective", "lens", "motion", "mesh of frames", "mirror"),
+        *("orthographic", "perspective", "lens", "motion", "mesh of frames", "mirror", "gloss", "diffuse bounces"),
         *("polygon", "mesh", "disc", "sphere", "plane"),
         *("zone-plate", "checker"),
         *("point light", "directional light", "area light", "disc light", "sphere light"),
@@ -46,6 +46,7 @@ class TracerCost:
     build_cpu_seconds: float
     shadow_rays: int
     reflection_rays: int
+    bounce_rays: int
 
 
 class Tracer:

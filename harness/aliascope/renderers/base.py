@@ -53,6 +53,7 @@ class Renderer(Protocol):
     at those.
     `idles`: its runs are asleep most of the time and state their own CPU time, so that several side by side leave each
     other's time as it is.
+    `absent`: of features that it does not draw though one might expect them of it, why, in words that stand alone.
     """
 
     name: str
@@ -63,6 +64,7 @@ class Renderer(Protocol):
     probe_mode: str
     single_mode: str
     idles: bool
+    absent: Mapping[str, str]
 
     def versions(self) -> Mapping[str, str]:
         """The versions that a picture depends on. Raises NotAvailable where the renderer is not there."""
@@ -91,5 +93,6 @@ def lacks(renderer: Renderer, scene: Scene, mode: Spec) -> str | None:
     """The reason for an empty cell: the features of the scene that the renderer does not draw, or the mode's own."""
     missing = sorted(scene.features() - renderer.draws)
     if missing:
-        return f"{renderer.title} here does not draw: {', '.join(missing)}"
+        why = [f" ({renderer.absent[name]})" if name in renderer.absent else "" for name in missing]
+        return f"{renderer.title} here does not draw: {', '.join(map(str.__add__, missing, why))}"
     return renderer.unable(scene, mode)

@@ -56,6 +56,7 @@ class Embree:
     probe_mode = "uniform:n=256,sampler=regular"
     single_mode = "uniform:n=1,sampler=regular"
     idles = False
+    absent: Mapping[str, str] = {}
 
     def versions(self) -> Mapping[str, str]:
         return {"embree": tracer.embree_version()}
@@ -106,9 +107,11 @@ class Embree:
 def _rays(scene: Scene, cost: tracer.TracerCost) -> dict[str, int]:
     """By kind: those that the scene needs."""
     needs, rays = scene.needs(), {"primary": cost.primary_rays}
-    if needs.mirror:
+    if needs.mirror or needs.gloss:
         rays["reflection"] = cost.reflection_rays
-    if scene.lights:
+    if needs.diffuse_bounces:
+        rays["bounce"] = cost.bounce_rays
+    if scene.lights or needs.emitters:
         rays["shadow"] = cost.shadow_rays
     return rays
 

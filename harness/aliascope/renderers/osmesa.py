@@ -9,7 +9,7 @@ import numpy as np
 
 from aliascope.errors import JobFailed, Unsupported
 from aliascope.geometry import surfaces_of
-from aliascope.model import Scene
+from aliascope.model import Frames, Scene
 from aliascope.native import raster, samplers
 from aliascope.native.raster import Passes
 from aliascope.records import Cost, Rendering
@@ -81,6 +81,16 @@ def _unable(mode: Spec, scene: Scene) -> str | None:
     return None
 
 
+def _stretched(scene: Scene) -> str | None:
+    """Why what changes its shape is not drawn: its pattern would be stretched."""
+    if not scene.needs().shutter:
+        return None
+    for surface in scene.surfaces:
+        if isinstance(surface.motion, Frames) and scene.materials[surface.material].pattern:
+            return "a mesh of frames stretches its pattern, which OSMesa does not draw"
+    return None
+
+
 def _unshadowed(scene: Scene) -> str | None:
     """Why the shadows of a scene are not drawn: there would be too many tests a pixel."""
     if not scene.lights or not any(any(scene.materials[surface.material].albedo) for surface in scene.surfaces):
@@ -109,17 +119,19 @@ class OSMesa:
     draws = frozenset(
         {"orthographic", "perspective", "polygon", "mesh", "disc", "sphere", "plane", "zone-plate", "checker"}
         | {"point light", "directional light", "area light", "disc light", "sphere light", "lens", "motion"}
+        | {"mesh of frames"}
     )
     probe_mode = "accumulate:n=256,sampler=regular"
     single_mode = "none"
     idles = False
+    absent: Mapping[str, str] = {}
 
     def versions(self) -> Mapping[str, str]:
         renderer, version = raster.describe()
         return {"osmesa": version, "osmesa-driver": renderer}
 
     def unable(self, scene: Scene, mode: Spec) -> str | None:
-        return _unable(mode, scene) or _unshadowed(scene)
+        return _unable(mode, scene) or _stretched(scene) or _unshadowed(scene)
 
     def seeded(self, mode: Spec) -> bool:
         if mode.name != ACCUMULATE.name:

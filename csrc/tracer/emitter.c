@@ -1,0 +1,216 @@
+#include "emitter.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "concentric.h"
+#include "frames.h"
+
+static double length_of(const double v[3]) { return sqrt(dot(v, v)); }
+
+/* The mean of what a material sends out of a unit area, but for a factor; a pattern counts as half of each colour. */
+static double power_of(const asc_material *material) {
+  double sum = 0.0;
+  for (int channel = 0; channel < 3; channel++) {
+    const asc_pattern *pattern = &material->pattern;
+    const double colour =
+        pattern->kind == ASC_PATTERN_NONE ? 1.0 : 0.5 * (fabs(pattern->low[channel]) + fabs(pattern->high[channel]));
+    sum += colour * fabs(material->emission[channel]);
+  }
+  return sum;
+}
+
+static emitter describe(const tracer *made, const asc_scene *scene, surface of) {
+  emitter made_emitter = {.of = of};
+  if (of.kind == SPHERES) {
+    const ball *round = &made->balls[of.number];
+    made_emitter.area = 4.0 * ASC_PI * round->radius * round->radius;
+  } else if (of.kind == DISCS) {
+    const asc_disc *disc = &scene->discs[of.number];
+    tracer_to_camera(&made->view, disc->centre, made_emitter.corner);
+    across(made->disc_planes[of.number].normal, made_emitter.edges[0], made_emitter.edges[1]);
+    for (int i = 0; i < 6; i++) made_emitter.edges[i / 3][i % 3] *= disc->radius;
+    made_emitter.area = ASC_PI * disc->radius * disc->radius;
+  } else {
+    const double *corners = scene->vertices + 9 * (size_t)of.number;
+    double product[3];
+    tracer_to_camera(&made->view, corners, made_emitter.corner);
+    for (size_t k = 0; k < 2; k++) {
+      double corner[3];
+      tracer_to_camera(&made->view, corners + 3 * (k + 1), corner);
+      for (int i = 0; i < 3; i++) made_emitter.edges[k][i] = corner[i] - made_emitter.corner[i];
+    }
+    cross(made_emitter.edges[0], made_emitter.edges[1], product);
+    made_emitter.area = 0.5 * length_of(product);
+  }
+  return made_emitter;
+}
+
+/* Lists those of one kind, with their power in the place of their chance. */
+static asc_status list(tracer *made, const asc_scene *scene, uint32_t kind, size_t count, asc_error *error) {
+  size_t found = 0;
+  for (size_t i = 0; i < count; i++) found += power_of(&made->materials[made->material_of[kind][i]]) > 0.0;
+  if (found == 0) return ASC_OK;
+  emitter *grown = realloc(made->emitters, (made->emitter_count + found) * sizeof *grown);
+  if (grown) made->emitters = grown;
+  made->emitter_of[kind] = calloc(count, sizeof(uint32_t));
+  if (!grown || !made->emitter_of[kind])
+    return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu surfaces that shine", found);
+  for (uint32_t i = 0; i < count; i++) {
+    const double power = power_of(&made->materials[made->material_of[kind][i]]);
+    if (!(power > 0.0) || frames_of(made, tracer_motion(made, (surface){kind, i}))) continue;
+    emitter fresh = describe(made, scene, (surface){kind, i});
+    fresh.chance = power * fresh.area;
+    if (!(fresh.chance > 0.0)) continue; /* a triangle without area */
+    made->emitters[made->emitter_count++] = fresh;
+    made->emitter_of[kind][i] = (uint32_t)made->emitter_count;
+  }
+  return ASC_OK;
+}
+
+asc_status emitter_take(tracer *made, const asc_scene *scene, asc_error *error) {
+  if (!made->transport.samples_emitters) return ASC_OK;
+  asc_status status = list(made, scene, TRIANGLES, scene->triangle_count, error);
+  if (status == ASC_OK) status = list(made, scene, DISCS, scene->disc_count, error);
+  if (status == ASC_OK) status = list(made, scene, SPHERES, scene->sphere_count, error);
+  if (status) return status;
+  double whole = 0.0, sum = 0.0;
+  for (size_t i = 0; i < made->emitter_count; i++) whole += made->emitters[i].chance;
+  if (!(whole > 0.0) || !isfinite(whole)) made->emitter_count = 0; /* rays alone find such */
+  for (size_t i = 0; i < made->emitter_count; i++) {
+    made->emitters[i].chance /= whole;
+    made->emitters[i].up_to = sum += made->emitters[i].chance;
+  }
+  return ASC_OK;
+}
+
+/* The emitter in whose share of [0, 1) a number lies, and where in it. */
+static const emitter *pick(const tracer *made, double number, double *within) {
+  size_t first = 0, count = made->emitter_count;
+  while (count > 1) { /* the first whose sum is above the number, or the last */
+    const size_t half = count / 2;
+    if (made->emitters[first + half - 1].up_to > number) {
+      count = half;
+    } else {
+      first += half;
+      count -= half;
+    }
+  }
+  const emitter *picked = &made->emitters[first];
+  *within = fmin(fmax(1.0 - (picked->up_to - number) / picked->chance, 0.0), 1.0);
+  return picked;
+}
+
+/* 1 - cosine of half the angle that a sphere is seen under, from outside. */
+static double cap_of(double radius, double distance) {
+  const double squared = radius * radius / (distance * distance);
+  return squared / (1.0 + sqrt(fmax(0.0, 1.0 - squared)));
+}
+
+/* From outside, directions uniform over the cone that the sphere fills; from within, places uniform by area. */
+static int choose_of_ball(const double centre[3], double radius, const double u[2], const double seen_from[3],
+                          emitter_place *chosen) {
+  double axis[3], a[3], b[3], disc[2];
+  for (int i = 0; i < 3; i++) axis[i] = centre[i] - seen_from[i];
+  const double distance = length_of(axis);
+  if (distance > radius) {
+    for (int i = 0; i < 3; i++) axis[i] /= distance;
+    const double out = asc_to_disc(u, disc), cap = cap_of(radius, distance), versine = out * out * cap;
+    const double spread = sqrt(cap * (2.0 - versine)), along = distance * (1.0 - versine);
+    const double miss = distance * out * spread, inside = sqrt(fmax(0.0, radius * radius - miss * miss));
+    across(axis, a, b);
+    for (int i = 0; i < 3; i++) {
+      const double way = (1.0 - versine) * axis[i] + spread * (disc[0] * a[i] + disc[1] * b[i]);
+      chosen->normal[i] = ((along - inside) * way - distance * axis[i]) / radius;
+      chosen->point[i] = centre[i] + radius * chosen->normal[i];
+    }
+    chosen->density = 1.0 / (2.0 * ASC_PI * cap);
+    return 1;
+  }
+  const double z = 1.0 - 2.0 * u[0], out = sqrt(fmax(0.0, 1.0 - z * z)), turn = 2.0 * ASC_PI * u[1];
+  const double outward[3] = {out * cos(turn), out * sin(turn), z};
+  double way[3];
+  for (int i = 0; i < 3; i++) {
+    chosen->point[i] = centre[i] + radius * outward[i];
+    chosen->normal[i] = -outward[i];
+    way[i] = chosen->point[i] - seen_from[i];
+  }
+  const double squared = dot(way, way), cosine = -dot(chosen->normal, way) / sqrt(squared);
+  if (!(cosine > 0.0)) return 0;
+  chosen->density = squared / (cosine * 4.0 * ASC_PI * radius * radius);
+  return 1;
+}
+
+/* Places of triangles and discs, uniform by area. */
+static int choose_of_flat(const emitter *from, const placing *at, const double u[2], const double seen_from[3],
+                          emitter_place *chosen) {
+  double along[2], still[3], product[3], normal[3], way[3];
+  if (from->of.kind == DISCS) {
+    (void)asc_to_disc(u, along);
+  } else {
+    const double out = sqrt(u[1]);
+    along[0] = out * (1.0 - u[0]);
+    along[1] = out * u[0];
+  }
+  for (int i = 0; i < 3; i++) still[i] = from->corner[i] + along[0] * from->edges[0][i] + along[1] * from->edges[1][i];
+  cross(from->edges[0], from->edges[1], product);
+  motion_place(at, still, chosen->point);
+  motion_turn(at, product, normal);
+  for (int i = 0; i < 3; i++) way[i] = chosen->point[i] - seen_from[i];
+  const double squared = dot(way, way), length = length_of(normal), facing = dot(normal, way);
+  const double cosine = fabs(facing) / (length * sqrt(squared));
+  if (!(cosine > 0.0)) return 0;
+  for (int i = 0; i < 3; i++) chosen->normal[i] = copysign(1.0, -facing) * normal[i] / length;
+  chosen->density = squared / (cosine * from->area);
+  return 1;
+}
+
+static placing placing_of(const tracer *made, surface of, double time) {
+  static const placing still = {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, {0.0}};
+  const asc_motion *motion = tracer_motion(made, of);
+  return motion ? motion_at(motion, time) : still;
+}
+
+int emitter_choose(const tracer *made, double time, const double u[2], const double seen_from[3],
+                   emitter_place *chosen) {
+  double numbers[2] = {0.0, u[1]}, centre[3], rest[3], colour[3];
+  const emitter *from = pick(made, u[0], &numbers[0]);
+  const placing at = placing_of(made, from->of, time);
+  int seen;
+  if (from->of.kind == SPHERES) {
+    const ball *round = &made->balls[from->of.number];
+    motion_place(&at, round->centre, centre);
+    seen = choose_of_ball(centre, round->radius, numbers, seen_from, chosen);
+  } else {
+    seen = choose_of_flat(from, &at, numbers, seen_from, chosen);
+  }
+  if (!seen) return 0;
+  chosen->density *= from->chance;
+  const asc_material *material = &made->materials[made->material_of[from->of.kind][from->of.number]];
+  const double nowhere[3] = {0.0, 0.0, 0.0};
+  double no_way[3];
+  motion_ray_to_rest(&at, chosen->point, nowhere, rest, no_way);
+  chosen->slack = meeting_slack(made, tracer_motion(made, from->of), rest);
+  meeting_colour(made, material, rest, colour);
+  for (int channel = 0; channel < 3; channel++)
+    chosen->radiance[channel] = colour[channel] * material->emission[channel];
+  return 1;
+}
+
+double emitter_density(const tracer *made, double time, const meeting *met, const double origin[3],
+                       const double direction[3]) {
+  const uint32_t *listed = met->of.kind == PLANES ? NULL : made->emitter_of[met->of.kind];
+  if (made->emitter_count == 0 || !listed || listed[met->of.number] == 0) return 0.0;
+  const emitter *from = &made->emitters[listed[met->of.number] - 1];
+  if (met->of.kind == SPHERES) {
+    const ball *round = &made->balls[met->of.number];
+    const placing at = placing_of(made, met->of, time);
+    double centre[3], axis[3];
+    motion_place(&at, round->centre, centre);
+    for (int i = 0; i < 3; i++) axis[i] = centre[i] - origin[i];
+    const double distance = length_of(axis);
+    if (distance > round->radius) return from->chance / (2.0 * ASC_PI * cap_of(round->radius, distance));
+  }
+  const double cosine = -dot(met->normal, direction);
+  return cosine > 0.0 ? from->chance * met->distance * met->distance / (cosine * from->area) : 0.0;
+}
