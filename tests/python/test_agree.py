@@ -82,6 +82,18 @@ def test_limits_are_found_as_often_as_is_said() -> None:
     assert missed < 9
 
 
+def test_what_a_bound_explains_is_told_from_chance() -> None:
+    """A gain of 1e-3 with a scatter of 1e-4: under a bound of 2e-3 of the values it agrees, and is said to be there."""
+    rng = np.random.default_rng(4)
+    picture = rng.uniform(0.1, 0.9, (16, 16, 3))
+    one, other = (picture + 1e-4 * rng.standard_normal((16, 16, 16, 3)) for _ in range(2))
+    for gain, bound in ((1.001, True), (1.0, False)):
+        wide = dataclasses.replace(side(gain * other), bound=2e-3 * picture)
+        found = judge(side(one), wide, np.zeros_like(picture), flaws(picture), 1)
+        assert not found.failed
+        assert found.found[0].granted is bound
+
+
 def test_what_is_no_number_never_agrees() -> None:
     pictures = np.zeros((4, 8, 8, 3))
     broken = pictures.copy()

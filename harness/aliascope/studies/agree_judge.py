@@ -114,15 +114,22 @@ class Worst:
 
 @dataclass(frozen=True)
 class Found:
-    """Of an effect: how much of it the second renderer has more than the first, in its unit, with the standard error
-    and the limit; the least amount that the run would have found; and whether it finds `amount`, put in on purpose."""
+    """Of an effect: how much of it the second renderer has more than the first, in its unit, with the standard error,
+    the limit, and what of it is the `bound`; the least amount that the run would have found; and whether it finds
+    `amount`, put in on purpose."""
 
     effect: Effect
     value: float
     standard_error: float
     limit: float
+    bound: float
     least: float
     caught: bool
+
+    @property
+    def granted(self) -> bool:
+        """Whether there is more of it than chance would have, within the limit: what is granted explains it."""
+        return self.limit - self.bound < abs(self.value) <= self.limit
 
 
 @dataclass(frozen=True)
@@ -231,8 +238,9 @@ def _worst(tests: Tests) -> Worst:
 
 def _found(number: int, effect: Effect, tests: Sequence[Tests]) -> Found:
     fits = tests[-1]
-    value, error, limit = (float(each[number]) for each in (fits.difference, fits.standard_error, fits.limit))
+    value, error, limit, bound = (
+        effect.amount * float(each[number]) for each in (fits.difference, fits.standard_error, fits.limit, fits.bound)
+    )
     least = min(each.least(effect.change) for each in tests)
     caught = any(each.catches(effect.change) for each in tests)
-    amount = effect.amount
-    return Found(effect, amount * value, amount * error, amount * limit, amount * least, caught)
+    return Found(effect, value, error, limit, bound, effect.amount * least, caught)

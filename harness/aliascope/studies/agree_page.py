@@ -18,7 +18,7 @@ from aliascope.report.files import write_text
 from aliascope.report.teaching import PageTable, Panel, Section, TeachingPage, Value, teaching_page
 from aliascope.studies.agree import Answer, Cell
 from aliascope.studies.agree_known import BOUNDS
-from aliascope.studies.agree_text import amount, document, failures, place_of, powers, summary
+from aliascope.studies.agree_text import amount, document, failures, granted, place_of, powers, summary
 
 MOST_ERRORS = 6.0
 """Standard errors at the ends of the scale of a map."""
@@ -42,12 +42,14 @@ def page_of(answer: Answer) -> TeachingPage:
         for each in cell.known
     )
     empty = bool(_of(answer, "empty")) or bool(answer.skipped)
+    beyond = granted(answer)
     sections = [
         Section("verdicts", "The verdicts", (summary(answer) + ".", _TEXT), (_verdicts(answer),)),
         Section("differ", "What differs", definitions=tuple(wrong)) if wrong else None,
         Section("known", "What is known to differ", definitions=tuple(known)) if known else None,
         Section("power", "What it would have found", (_POWER,), (_power(answer),)),
         Section("effects", "What was found", (_FOUND,), tuple(_effects(answer))),
+        Section("beyond", "More than chance, and granted", (_GRANTED,), definitions=tuple(beyond)) if beyond else None,
         Section("maps", "Where", (_MAPS,), panels=tuple(_maps(answer)), columns=5),
         Section("empty", "What two do not both draw", definitions=tuple(_empty(answer))) if empty else None,
         Section("granted", "What is granted beside the standard errors", definitions=BOUNDS),
@@ -88,6 +90,11 @@ _POWER = (
 _FOUND = (
     "How much more of each flaw the second renderer has than the first, by least squares, with its standard error. "
     "Strong where it is beyond its limit, in which there is what is granted."
+)
+_GRANTED = (
+    "This is no chance, and no more than what is granted beside the standard errors. OSMesa moves everything by 1/1024 "
+    "pixel, the best for edges along an axis, which the grid of its corners displaces, and slanted ones, which it does "
+    "not, together."
 )
 _MAPS = (
     "The difference, second less first, in standard errors, of the channel where it has most; what is granted is taken "

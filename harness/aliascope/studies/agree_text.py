@@ -123,6 +123,7 @@ def _cell(cell: Cell) -> dict[str, Any]:
                 "value": found.value,
                 "standard_error": found.standard_error,
                 "limit": found.limit,
+                "granted": found.granted,
                 "least": _finite(found.least),
                 "unit": found.effect.unit,
                 "amount": found.effect.amount,
@@ -160,6 +161,12 @@ def lines(answer: Answer) -> list[str]:
             made += [f"    {text}" for text in failures(cell)]
         made += [f"    known: {each.reason} (up to {each.most:.2g})" for each in cell.known]
     made += [f"skipped {name}: {reason}" for name, reason in answer.skipped.items()]
+    if beyond := granted(answer):
+        made += [
+            "",
+            "More than chance, and no more than is granted below:",
+            *(f"  {cell}: {text}" for cell, text in beyond),
+        ]
     return [*made, "", *_power_lines(powers(answer)), "", *_bound_lines(), "", summary(answer)]
 
 
@@ -176,6 +183,21 @@ def failures(cell: Cell) -> list[str]:
         f'"{found.effect.name}" more, limit {found.limit:.2g}'
         for found in cell.judgement.found
         if abs(found.value) > found.limit
+    ]
+
+
+def granted(answer: Answer) -> list[tuple[str, str]]:
+    """Of each flaw that is more than chance, and no more than what is granted: the pair, and how much."""
+    return [
+        (
+            f"{cell.scene}, {cell.one} {cell.other}",
+            f"{found.effect.name} by {amount(found.value, found.effect.unit)} +- {found.standard_error:.1g}, at most "
+            f"{found.limit:.2g}",
+        )
+        for cell in answer.tested
+        if cell.judgement
+        for found in cell.judgement.found
+        if found.granted
     ]
 
 
