@@ -216,6 +216,54 @@ def soft_shadow() -> str:
     )
 
 
+def block(material: str, x: float, z: float, width: float, depth: float, height: float, turn: float) -> str:
+    """A box on the floor y = 0 about (x, z), without its bottom."""
+    corners = []
+    for across, away in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
+        a, b = across * width / 2, away * depth / 2
+        corners.append((x + a * math.cos(turn) + b * math.sin(turn), z - a * math.sin(turn) + b * math.cos(turn)))
+    text = solid(material, [(cx, height, cz) for cx, cz in corners])
+    for (ax, az), (bx, bz) in zip(corners, [*corners[1:], corners[0]], strict=True):
+        text += solid(material, [(ax, 0.0, az), (bx, 0.0, bz), (bx, height, bz), (ax, height, az)])
+    return text
+
+
+def cornell_box() -> str:
+    """After the room of Goral, Torrance, Greenberg and Battaile 1984; its measures are our own."""
+    text = (
+        COMMAND
+        + 'title = "Cornell box"\nshows = "A closed room under a square of light: walls colour each other and the '
+        + "blocks, whose shadows are soft; all light here came over a surface, except the lamp's own.\"\n"
+        + "\n[view]\nsize = [128, 96]\n"
+        + '\n[camera]\ntype = "perspective"\neye = [0.0319, 1.0173, 4.3719]\nlook_at = [0.0137, 0.9913, 0.0]\n'
+        + "vertical_fov_degrees = 36.37\n"
+        + "\n[transport]\ndiffuse_bounces = 4\n"
+    )
+    for name, albedo in {
+        "chalk": "0.7319, 0.7137, 0.6713",
+        "rose": "0.6337, 0.0719, 0.0613",
+        "grass": "0.1373, 0.4719, 0.0937",
+    }.items():
+        text += f"\n[materials.{name}]\nalbedo = [{albedo}]\n"
+    text += emissions({"lamp": "14.1937, 11.9133, 8.4719"})
+    left, right, top, back, front = -1.3137, 1.3519, 1.9937, -1.1719, 1.6137
+    floor = [(left, 0.0, front), (right, 0.0, front), (right, 0.0, back), (left, 0.0, back)]
+    # The ceiling has a hole for the lamp, which would light it from a hair's breadth otherwise.
+    lamp = [(-0.3819, top, 0.2537), (0.4019, top, 0.2719), (0.4137, top, -0.4173), (-0.3719, top, -0.4337)]
+    ceiling = [(x, top, z) for x, _, z in floor]
+    text += solid("chalk", floor) + solid("lamp", lamp)
+    for k in range(4):
+        text += solid("chalk", [ceiling[k], ceiling[(k + 1) % 4], lamp[(k + 1) % 4], lamp[k]])
+    text += solid("chalk", [(left, 0.0, back), (right, 0.0, back), (right, top, back), (left, top, back)])
+    text += solid("rose", [(left, 0.0, front), (left, 0.0, back), (left, top, back), (left, top, front)])
+    text += solid("grass", [(right, 0.0, front), (right, 0.0, back), (right, top, back), (right, top, front)])
+    return (
+        text
+        + block("chalk", -0.4719, -0.3937, 0.6137, 0.5937, 1.1719, 0.3137)
+        + block("chalk", 0.4937, 0.3719, 0.5713, 0.5519, 0.5619, -0.2873)
+    )
+
+
 def highlights() -> str:
     """Bars of light and lamps, 10^4 times as bright as the walls behind them, over a floor that mirrors them."""
     text = (
@@ -288,6 +336,7 @@ def main() -> None:
     (HERE / "depth-of-field.toml").write_text(depth_of_field())
     (HERE / "motion-blur.toml").write_text(motion_blur())
     (HERE / "soft-shadow.toml").write_text(soft_shadow())
+    (HERE / "cornell-box.toml").write_text(cornell_box())
     (HERE / "highlights.toml").write_text(highlights())
     terrain_mesh().export(HERE / "terrain.ply", encoding="binary", vertex_normal=False)
 
