@@ -222,7 +222,8 @@ def test_committed_references_are_those_of_the_scenes_and_steady(name: str) -> N
     assert result.holds, result.reason
 
 
-def test_what_the_tracer_does_not_draw_is_refused() -> None:
+def test_what_the_tracer_does_not_draw_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(converged.tracer, "DRAWS", converged.tracer.DRAWS - {"mirror"})
     mirror = scene(box(1, 1, 5, 5, material="steel"), materials={"steel": {"reflection": [0.5, 0.5, 0.5]}})
     with pytest.raises(Unsupported, match="no answer for mirror"):
         make(mirror, (12, 9), "box", PLAN)
