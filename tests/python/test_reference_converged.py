@@ -222,10 +222,12 @@ def test_committed_references_are_those_of_the_scenes_and_steady(name: str) -> N
     assert result.holds, result.reason
 
 
-def test_what_the_tracer_does_not_draw_is_refused() -> None:
-    mirror = scene(box(1, 1, 5, 5, material="steel"), materials={"steel": {"reflection": [0.5, 0.5, 0.5]}})
-    with pytest.raises(Unsupported, match="no answer for mirror"):
-        make(mirror, (12, 9), "box", PLAN)
+def test_what_the_tracer_does_not_draw_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(converged.tracer, "DRAWS", converged.tracer.DRAWS - {"gloss"})
+    steel = {"reflection": [0.5, 0.5, 0.5], "gloss": {"type": "phong", "exponent": 9.0}}
+    glossy = scene(box(1, 1, 5, 5, material="steel"), materials={"steel": steel})
+    with pytest.raises(Unsupported, match="no answer for gloss"):
+        make(glossy, (12, 9), "box", PLAN)
     with pytest.raises(Ambiguous, match="same depth"):
         make(scene(box(1, 1, 8, 8), box(4, 4, 9, 9, material="blue")), (12, 9), "box", PLAN)
     with pytest.raises(SpecError):
