@@ -4,6 +4,8 @@
 
 #include "frames.h"
 
+#define SQRT_3 1.73205080756887729353
+
 /* Some surfaces of a kind, which share a motion. */
 typedef struct batch {
   uint32_t kind;
@@ -43,32 +45,67 @@ static int put_triangles(const tracer *made, const asc_scene *scene, const batch
   return 1;
 }
 
-static int put_round(const tracer *made, const asc_scene *scene, const batch *of, RTCGeometry geometry, unsigned step,
+/* A disc, as Embree is given it: the triangle about its circle, of which `keep_discs` leaves the disc. Embree's own
+ * discs take rays at half the rate. */
+static int put_discs(const tracer *made, const asc_scene *scene, const batch *of, RTCGeometry geometry, unsigned step,
                      const placing *at) {
-  float *points = new_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT4, 4, of->count);
-  float *normals =
-      of->kind == DISCS ? new_buffer(geometry, RTC_BUFFER_TYPE_NORMAL, step, RTC_FORMAT_FLOAT3, 3, of->count) : NULL;
-  if (!points || (of->kind == DISCS && !normals)) return 0;
+  /* Where the corners lie, in radii. */
+  static const double corners[3][2] = {{0.0, 2.0}, {-SQRT_3, -1.0}, {SQRT_3, -1.0}};
+  float *vertices = new_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, 3, 3 * of->count);
+  uint32_t *indices = step == 0 ? new_buffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3, of->count) : NULL;
+  if (!vertices || (step == 0 && !indices)) return 0;
   for (size_t i = 0; i < of->count; i++) {
     const size_t number = of->members ? of->members[i] : i;
-    double centre[3], normal[3];
-    tracer_to_camera(&made->view, of->kind == DISCS ? scene->discs[number].centre : scene->spheres[number].centre,
-                     centre);
+    const double radius = scene->discs[number].radius;
+    double centre[3], a[3], b[3];
+    tracer_to_camera(&made->view, scene->discs[number].centre, centre);
+    across(made->disc_planes[number].normal, a, b);
+    for (size_t k = 0; k < 3; k++) {
+      double corner[3];
+      for (int axis = 0; axis < 3; axis++)
+        corner[axis] = centre[axis] + radius * (corners[k][0] * a[axis] + corners[k][1] * b[axis]);
+      put_point(corner, at, vertices + 9 * i + 3 * k);
+      if (indices) indices[3 * i + k] = (uint32_t)(3 * i + k);
+    }
+  }
+  return 1;
+}
+
+/* Drops what meets the triangle about a disc's circle, and not the disc. */
+static void keep_discs(const struct RTCFilterFunctionNArguments *met) {
+  /* Hits are rows of N: the normal's three, then u and v; Embree has functions for them in C++ alone. */
+  const float *row_u = (const float *)met->hit + 3 * (size_t)met->N, *row_v = row_u + met->N;
+  for (unsigned i = 0; i < met->N; i++) {
+    const double u = (double)row_u[i], v = (double)row_v[i];
+    const double x = SQRT_3 * (v - u), y = 2.0 - 3.0 * (u + v);
+    if (x * x + y * y > 1.0) met->valid[i] = 0;
+  }
+}
+
+static int put_spheres(const tracer *made, const asc_scene *scene, const batch *of, RTCGeometry geometry, unsigned step,
+                       const placing *at) {
+  float *points = new_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT4, 4, of->count);
+  if (!points) return 0;
+  for (size_t i = 0; i < of->count; i++) {
+    const size_t number = of->members ? of->members[i] : i;
+    double centre[3];
+    tracer_to_camera(&made->view, scene->spheres[number].centre, centre);
     put_point(centre, at, points + 4 * i);
-    points[4 * i + 3] = (float)(of->kind == DISCS ? scene->discs[number].radius : scene->spheres[number].radius);
-    if (!normals) continue;
-    const double *facing = made->disc_planes[number].normal;
-    for (int axis = 0; axis < 3; axis++) normal[axis] = facing[axis];
-    if (at) motion_turn(at, facing, normal);
-    for (size_t axis = 0; axis < 3; axis++) normals[3 * i + axis] = (float)normal[axis];
+    points[4 * i + 3] = (float)scene->spheres[number].radius;
   }
   return 1;
 }
 
 static asc_status attach(tracer *made, const asc_scene *scene, const batch *of, unsigned id, asc_error *error) {
-  static const enum RTCGeometryType types[] = {RTC_GEOMETRY_TYPE_TRIANGLE, RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT,
+  static const enum RTCGeometryType types[] = {RTC_GEOMETRY_TYPE_TRIANGLE, RTC_GEOMETRY_TYPE_TRIANGLE,
                                                RTC_GEOMETRY_TYPE_SPHERE_POINT};
+  static int (*const put[])(const tracer *, const asc_scene *, const batch *, RTCGeometry, unsigned,
+                            const placing *) = {put_triangles, put_discs, put_spheres};
   RTCGeometry geometry = rtcNewGeometry(made->device, types[of->kind]);
+  if (of->kind == DISCS) {
+    rtcSetGeometryIntersectFilterFunction(geometry, keep_discs);
+    rtcSetGeometryOccludedFilterFunction(geometry, keep_discs);
+  }
   const asc_view *view = &made->view;
   const double open = view->shutter_open, duration = view->shutter_close - open;
   const mesh_frames *frames = frames_of(made, of->motion);
@@ -86,8 +123,7 @@ static asc_status attach(tracer *made, const asc_scene *scene, const batch *of, 
     placing at;
     if (of->motion && !frames) at = motion_at(of->motion, open + duration * step / segments);
     const placing *placed = of->motion && !frames ? &at : NULL;
-    const int done = of->kind == TRIANGLES ? put_triangles(made, scene, of, geometry, step, placed)
-                                           : put_round(made, scene, of, geometry, step, placed);
+    const int done = put[of->kind](made, scene, of, geometry, step, placed);
     if (!done) {
       rtcReleaseGeometry(geometry);
       return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu surfaces in %u places", of->count, steps);
