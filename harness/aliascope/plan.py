@@ -65,6 +65,7 @@ POVRAY_QUICK: Mapping[str, tuple[str, ...]] = {
         *_accumulate("sobol", counts=(16, 64)),
     ),
     "frames": _accumulate("sobol", counts=(4, 16, 64)),
+    "bounces": ("none",),
 }
 """By kind of scene (`kind_of`), those that reach an error soonest: accumulate, at the lowest errors."""
 
@@ -102,6 +103,7 @@ POVRAY_FULL: Mapping[str, tuple[str, ...]] = {
         *_accumulate("halton", "sobol", counts=COUNTS),
     ),
     "frames": _accumulate("halton", "sobol", counts=COUNTS),
+    "bounces": ("none",),
 }
 
 
@@ -110,8 +112,15 @@ def _all(kinds: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(mode for modes in kinds.values() for mode in modes))
 
 
+EMBREE_QUICK = (*_uniform("random", "regular", "jittered", "halton", "sobol,sampler.scramble=owen"), *ADAPTIVE[:3])
+EMBREE_QUICK_BOUNCES = (
+    *_uniform("random", "regular", "jittered", "halton", counts=COUNTS[:-1]),
+    *_uniform("sobol,sampler.scramble=owen"),
+)
+"""Of scenes whose samples cost ten times as much: those that finish in the time that the quick profile has."""
+
 QUICK: Mapping[str, tuple[str, ...]] = {
-    "embree": (*_uniform("random", "regular", "jittered", "halton", "sobol,sampler.scramble=owen"), *ADAPTIVE[:3]),
+    "embree": EMBREE_QUICK,
     "povray": _all(POVRAY_QUICK),
     "osmesa": (
         "none",
@@ -150,7 +159,10 @@ FULL: Mapping[str, tuple[str, ...]] = {
 
 PROFILES: Mapping[str, Mapping[str, tuple[str, ...]]] = {"quick": QUICK, "full": FULL}
 KINDS: Mapping[str, Mapping[str, Mapping[str, tuple[str, ...]]]] = {
-    "quick": {"povray": POVRAY_QUICK},
+    "quick": {
+        "povray": POVRAY_QUICK,
+        "embree": {kind: EMBREE_QUICK_BOUNCES if kind == "bounces" else EMBREE_QUICK for kind in POVRAY_QUICK},
+    },
     "full": {"povray": POVRAY_FULL},
 }
 """By profile and renderer, the modes for each kind of scene (`kind_of`); a renderer that is not here has the same for
@@ -168,9 +180,12 @@ def profile(name: str) -> Mapping[str, tuple[str, ...]]:
 
 
 def kind_of(scene: Scene) -> str:
-    """What decides which modes of POV-Ray draw a scene: "plain"; "lens" or "area light" where it has that alone;
-    "frames" where only frames draw it: for motion, a light that POV-Ray's own are not, or more than one of these."""
+    """What decides which modes a scene gets: "bounces" where light goes from surface to surface; "plain"; "lens" or
+    "area light" where it has that alone; "frames" where POV-Ray draws it in frames only: for motion, a light that is
+    none of its own, or more than one of these."""
     needs = scene.needs()
+    if needs.diffuse_bounces:
+        return "bounces"
     if not (needs.lens or needs.shutter or needs.area_lights):
         return "plain"
     if needs.lens and not (needs.shutter or needs.area_lights or scene.camera.blades):

@@ -115,6 +115,18 @@ def test_modes_suit_a_scene_however_their_dimensions_are_arranged(tmp_path: Path
     }
 
 
+def test_scenes_of_bounces_get_few_modes_in_the_quick_profile_and_say_who_does_not_draw_them(tmp_path: Path) -> None:
+    path = written(tmp_path, "", "", "[transport]\ndiffuse_bounces = 2")
+    made = selection.plan_of([path], [], [], "quick", None)
+    modes = {job.mode for job in made.jobs}
+    assert "uniform:n=256" in modes  # of the default sampler
+    assert "uniform:n=64,sampler=halton" in modes
+    assert not [mode for mode in modes if mode.startswith("adaptive") or "n=256,sampler=" in mode]
+    assert {cell.renderer for cell in made.empty} == {"embree", "povray", "osmesa"}
+    full = {job.mode for job in selection.plan_of([path], ["embree"], [], "full", None).jobs}
+    assert "uniform:n=256,sampler=halton" in full
+
+
 def test_other_renderers_have_the_same_modes_for_all_scenes(tmp_path: Path) -> None:
     modes = []
     for name in ("plain", "area light"):
