@@ -81,20 +81,22 @@ def main() -> None:
     kept = Kept(sys.argv[1])
     print(
         "the tracer beside a bare loop over rtcIntersect16 and rtcOccluded16 on the same rays: each scene, "
-        f"{SIZE[0]}x{SIZE[1]}, {SAMPLES} samples a pixel,\nmedian of {ROUNDS} rounds and extremes\n"
+        f"{SIZE[0]}x{SIZE[1]}, {SAMPLES} samples a pixel,\nmedian of {ROUNDS} rounds and extremes; "
+        "more: the time of a sample beyond the bare loop's\n"
         f"  {'':17} {'d':>2} {'rays a sample':>13} {'shadow':>8} {'scattered':>9} {'hit':>6}"
-        f" {'bare':>8} {'tracer':>8} Mrays/s   share"
+        f" {'bare':>8} {'tracer':>8} Mrays/s  {'more':>8}   share"
     )
     for name in scene_io.names():
         found = measure(kept, scene_io.load(name).scene)
         cost, counts, shares = found.cost, found.kept, found.shares
         rays = counts.intersected + counts.occluded
         scattered = cost.reflection_rays + cost.bounce_rays
+        more = 1e9 * (found.tracer - found.bare) / cost.samples
         print(
             f"  {name:17} {found.dimensions:2} {rays / cost.samples:13.2f} {counts.occluded / rays:8.0%}"
             f" {scattered / rays:9.0%} {counts.hits / counts.intersected:6.0%}"
             f" {1e-6 * rays / found.bare:8.1f} {1e-6 * rays / found.tracer:8.1f}"
-            f" {statistics.median(shares):15.1%} ({shares[0]:.1%} to {shares[-1]:.1%})"
+            f" {more:13.0f} ns {statistics.median(shares):7.1%} ({shares[0]:.1%} to {shares[-1]:.1%})"
         )
 
 
