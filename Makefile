@@ -37,6 +37,7 @@ TRACER_OBJECTS := $(call objects,tracer)
 RASTER_OBJECTS := $(call objects,raster) $(OBJECTS)/tracer/motion.o
 C_TESTS := $(patsubst tests/c/%.c,$(OBJECTS)/%,$(wildcard tests/c/test_*.c))
 C_BENCHES := $(patsubst tests/bench/%.c,$(OBJECTS)/%,$(wildcard tests/bench/bench_*.c))
+KEPT_RAYS := $(OBJECTS)/kept_rays.so
 BINDINGS := $(BUILD)/bindings.stamp
 PLUGIN := $(BUILD)/plugins/kronecker.so
 # What is installed carries the major version, as programs that were linked with it keep to that ABI. The Python package
@@ -83,8 +84,9 @@ lint: all
 
 ## bench      nanoseconds a dimension, SciPy beside, the tracer's share of bare Embree, the harness's time a job
 .PHONY: bench
-bench: all $(C_BENCHES)
+bench: all $(C_BENCHES) $(KEPT_RAYS)
 	@for bench in $(C_BENCHES); do $$bench || exit 1; done
+	@$(VENV)/bin/python tests/bench/bench_scenes.py $(KEPT_RAYS)
 	@$(VENV)/bin/python tests/bench/bench_peers.py
 	@$(VENV)/bin/python tests/bench/bench_harness.py
 
@@ -180,6 +182,17 @@ $(C_TESTS:%=run-%): run-%: %
 $(OBJECTS)/test_%: tests/c/test_%.c $(LIBRARY_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
 	@$(call say,compiling)
 	@$(CC) $(CFLAGS) $(CPPFLAGS) -MF $@.d $< $(filter %.o,$^) -o $@ $(EMBREE) $(OSMESA) -lcmocka -lm -ldl
+
+# Stands between the tracer and Embree: in the benchmark of C as an object, in Python's as a library.
+$(OBJECTS)/kept_rays.o: tests/bench/kept_rays.c Makefile | $(BUILD)/system.stamp
+	@mkdir -p $(@D)
+	@$(call say,compiling)
+	@$(CC) $(CFLAGS) $(CPPFLAGS) -c $< -o $@
+
+$(KEPT_RAYS): $(OBJECTS)/kept_rays.o
+	@$(call say,linking) && $(CC) -shared $(CFLAGS) $< -o $@ -Wl,--no-as-needed $(EMBREE) -ldl
+
+$(OBJECTS)/bench_tracer: $(OBJECTS)/kept_rays.o
 
 $(OBJECTS)/bench_%: tests/bench/bench_%.c $(LIBRARY_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
 	@$(call say,compiling)

@@ -56,6 +56,25 @@ static void add_to_film(block_work *memory) {
   film_add(memory->target, rays->lanes, samples, rays->radiance);
 }
 
+/* Lanes of one pixel follow each other: its sum is kept aside meanwhile, as each addition would wait for the store of
+ * the one before. */
+static void add_to_sums(block_work *memory) {
+  const packet *rays = &memory->rays;
+  for (uint32_t i = 0; i < rays->lanes;) {
+    const uint32_t number = memory->pixel[i];
+    double *into = memory->sum[number];
+    double red = into[0], green = into[1], blue = into[2];
+    for (; i < rays->lanes && memory->pixel[i] == number; i++) {
+      red += memory->scale[i] * rays->radiance[i][0];
+      green += memory->scale[i] * rays->radiance[i][1];
+      blue += memory->scale[i] * rays->radiance[i][2];
+    }
+    into[0] = red;
+    into[1] = green;
+    into[2] = blue;
+  }
+}
+
 /* Traces what has gathered, and adds it up in the lanes' order. */
 static void flush(const tracer *made, block_work *memory) {
   packet *rays = &memory->rays;
@@ -64,9 +83,7 @@ static void flush(const tracer *made, block_work *memory) {
   if (memory->target)
     add_to_film(memory);
   else
-    for (uint32_t i = 0; i < rays->lanes; i++)
-      for (int channel = 0; channel < 3; channel++)
-        memory->sum[memory->pixel[i]][channel] += memory->scale[i] * rays->radiance[i][channel];
+    add_to_sums(memory);
   rays->lanes = 0;
 }
 
