@@ -179,6 +179,18 @@ def test_scenes_in_common() -> None:
     assert [scene.name for scene in in_common((scene_of("x", b), *scenes[1:]))] == ["x", "two"]
 
 
+def test_scenes_that_a_renderer_drew_in_other_modes_are_not_pooled() -> None:
+    """Over them, none of its modes would have every scene, and it would have no answer."""
+    pixels = np.zeros((3, 4, 3), np.float32)
+    one = [row_of("embree", mode, 0.3, 1.0, pixels) for mode in "abc"]
+    others = {mode: row_of("povray", mode, 0.1, 1.0, pixels) for mode in "xyz"}
+    lens = scene_of("lens", *one, others["z"])
+    flat, failed = scene_of("flat", *one, others["x"], others["y"]), scene_of("one failed", *one[:2], others["x"])
+    assert [scene.name for scene in in_common((lens, flat, failed))] == ["flat", "one failed"]
+    assert [scene.name for scene in in_common((flat, lens))] == ["flat"]
+    assert [scene.name for scene in in_common((lens,))] == ["lens"]
+
+
 def test_a_scene_under_another_filter_is_not_pooled() -> None:
     """Its modes are of no other scene: over both, every mode would lack one, and none be on the front."""
     pixels = np.zeros((3, 4, 3), np.float32)

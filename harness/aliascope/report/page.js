@@ -138,7 +138,7 @@ function keepOpened(name, details) {
 function leftOut() {
   const names = documentData.scenes.map(({ name }) => name).filter((name) => !documentData.pooledScenes.includes(name));
   if (!names.length) return [];
-  return [h("p", { class: "note" }, `Over the scenes that every renderer drew, under one filter: without ${names.join("; ")}.`)];
+  return [h("p", { class: "note" }, `Over the scenes that every renderer drew in much the same modes, under one filter: without ${names.join("; ")}.`)];
 }
 
 function start() {

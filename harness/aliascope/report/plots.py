@@ -67,7 +67,7 @@ def plots_of(data: ReportData) -> list[Plot]:
         taken.add("all-scenes")
         common = in_common(data.scenes)
         counted = len(under_one_filter(data.scenes))
-        title = f"{len(common)} of {counted} scenes, which every renderer drew"
+        title = f"{len(common)} of {counted} scenes, which every renderer drew in much the same modes"
         if len(common) == counted:
             title = f"All {counted} scenes" if counted > 1 else f"The scene {common[0].name}"
         plots.append(Plot("all-scenes", title, pool(common)))

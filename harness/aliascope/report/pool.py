@@ -39,14 +39,31 @@ def curve_of(row: ModeRow) -> Curve:
 
 
 def in_common(scenes: Sequence[SceneSection]) -> tuple[SceneSection, ...]:
-    """The scenes that every renderer drew, since others would favour the one that left out the hard ones.
+    """The scenes that every renderer drew in much the same modes, since others would favour the one that left out the
+    hard ones, or have no mode to pool: of those that every renderer drew, the most that share at least half of each
+    renderer's modes with one of them.
 
     All of them that have a row, where there is none in common.
     """
-    drawn = [(scene, {row.renderer for row in scene.rows}) for scene in under_one_filter(scenes) if scene.rows]
-    every = set().union(*(renderers for _, renderers in drawn))
-    common = [scene for scene, renderers in drawn if renderers == every]
-    return tuple(common or (scene for scene, _ in drawn))
+    drawn = [(scene, _modes(scene)) for scene in under_one_filter(scenes) if scene.rows]
+    every = set().union(*(modes for _, modes in drawn))
+    common = [(scene, modes) for scene, modes in drawn if set(modes) == every]
+    if not common:
+        return tuple(scene for scene, _ in drawn)
+    groups = [tuple(scene for scene, modes in common if _alike(modes, first)) for _, first in common]
+    return max(groups, key=lambda group: len(group))
+
+
+def _modes(scene: SceneSection) -> dict[str, set[str]]:
+    """The modes that drew a scene, by renderer."""
+    found: dict[str, set[str]] = {}
+    for row in scene.rows:
+        found.setdefault(row.renderer, set()).add(row.mode)
+    return found
+
+
+def _alike(modes: Mapping[str, set[str]], others: Mapping[str, set[str]]) -> bool:
+    return all(2 * len(own & others[name]) >= len(own | others[name]) for name, own in modes.items())
 
 
 def under_one_filter(scenes: Sequence[SceneSection]) -> tuple[SceneSection, ...]:
