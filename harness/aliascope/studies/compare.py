@@ -101,9 +101,12 @@ def compare(
 
 def _side_by_side(outcomes: Iterable[Outcome]) -> str:
     """How far the times can be compared, for the report."""
-    counts = Counter(outcome.processes for outcome in outcomes if outcome.status == "done")
+    done = [outcome for outcome in outcomes if outcome.status == "done"]
+    counts = Counter(outcome.processes for outcome in done)
     if set(counts) <= {1}:
-        return "1: each picture was timed alone"
+        idle = {job.renderer for job in (outcome.job for outcome in done) if renderers.find(job.renderer).idles}
+        beside = f", but for {pipeline.IDLE_ABREAST} at a time of {', '.join(sorted(idle))}, asleep for most of a run"
+        return f"1: each picture was timed alone{beside if idle else ''}"
     told = ", ".join(f"{found} of the pictures {processes}" for processes, found in sorted(counts.items()))
     return f"{told}: those with more than 1 have inflated times; run again with -j 1 for times that can be compared"
 
