@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from aliascope import places, references
+from aliascope import metrics, places, references
 from aliascope.errors import CheckFailed
+from aliascope.records import Estimate
 from aliascope.studies import selection
-from aliascope.studies.compare import reference_of
+from aliascope.studies.compare import reference_of, with_reference
 from aliascope.studies.progress import converging
 
 
@@ -19,6 +22,30 @@ def test_the_standard_error_at_the_end_falls_with_the_root_of_the_count() -> Non
     tell(0, 16, None)
     tell(4, 16, 0.2)
     assert told == [("it", 0, 16), ("it: standard error 2.0e-01, 1.0e-01 at the end", 4, 16)]
+
+
+def test_figures_have_what_their_reference_adds_to_them() -> None:
+    """An error of 0.02 seen from references that are off by 0.005: what they add to the mean square is what is told."""
+    rng = np.random.default_rng(7)
+    picture = 0.5 + rng.normal(0.0, 0.02, (96, 128, 3))
+    rmse, bias = math.sqrt(((picture - 0.5) ** 2).mean()), float((picture - 0.5).mean())
+    seen = []
+    for _ in range(16):
+        pixels = (0.5 + rng.normal(0.0, 0.005, picture.shape)).astype(np.float32)
+        reference = references.Reference(
+            pixels, pixels.astype(np.float64), 0.0, "converged", np.full(picture.shape, 5e-3)
+        )
+        seen.append({name: value.value for name, value in metrics.measure(picture.astype(np.float32), pixels).items()})
+    told = {name: with_reference(name, Estimate(value), reference).standard_error for name, value in seen[0].items()}
+    assert np.mean([each["rmse"] for each in seen]) - rmse == pytest.approx(told["rmse"], rel=0.1)
+    assert math.sqrt(np.mean([(each["bias"] - bias) ** 2 for each in seen])) == pytest.approx(told["bias"], rel=0.6)
+    decibels = -20.0 * math.log10(rmse) - np.mean([each["psnr"] for each in seen])
+    assert decibels == pytest.approx(told["psnr"], rel=0.1)
+    assert told["max"] is None
+    over_seeds = with_reference("rmse", Estimate(0.02, 3.0), reference).standard_error
+    assert over_seeds == pytest.approx(math.hypot(3.0, 0.005**2 / 0.04))
+    exact = references.Reference(pixels, pixels.astype(np.float64), 0.0, "polygons")
+    assert with_reference("rmse", Estimate(0.02), exact) == Estimate(0.02)
 
 
 def test_a_missing_reference_of_ours_is_said_and_never_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

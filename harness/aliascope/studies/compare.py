@@ -164,7 +164,7 @@ def _section(
         outcome = outcomes[job.key]
         if jobs.judged_by(job) == key and outcome.status == "done":
             groups.setdefault((job.renderer, job.mode), []).append(outcome)
-    rows = [_row(group, folder) for group in groups.values()]
+    rows = [_row(group, folder, reference) for group in groups.values()]
     rows.sort(key=lambda row: (order.index(row.renderer), row.family, row.samples_per_pixel))
     box = filter_ == "box"
     return SceneSection(
@@ -186,7 +186,7 @@ def _note(reference: Reference) -> str:
     return f"converged, standard error {spread:.1g} a pixel"
 
 
-def _row(outcomes: Sequence[Outcome], folder: Path) -> ModeRow:
+def _row(outcomes: Sequence[Outcome], folder: Path, reference: Reference) -> ModeRow:
     """One mode's pictures, the first seed's first."""
     first = outcomes[0]
     assert first.cost is not None
@@ -199,7 +199,7 @@ def _row(outcomes: Sequence[Outcome], folder: Path) -> ModeRow:
         family=family(spec),
         samples_per_pixel=first.cost.samples_per_pixel,
         cpu_seconds=mean([outcome.cost.cpu_seconds for outcome in outcomes if outcome.cost]),
-        metrics={name: _estimate(name, outcomes) for name in first.metrics},
+        metrics={name: with_reference(name, _estimate(name, outcomes), reference) for name in first.metrics},
         pictures=len(outcomes),
         pixels=image.read_image(folder / first.image),
         quantum=first.quantum,
@@ -213,6 +213,24 @@ def _estimate(name: str, outcomes: Sequence[Outcome]) -> Estimate:
     if not values:
         return Estimate(None)
     return root_mean_square(values) if name == "rmse" else mean(values)
+
+
+def with_reference(name: str, found: Estimate, reference: Reference) -> Estimate:
+    """A figure with what is not known of its reference: a mean square error is too large by the mean square of the
+    reference's standard errors, a mean error moves by that of their mean. Of other metrics it is not known."""
+    spread = reference.standard_error_rms
+    if not spread or not found.value:
+        return found
+    match name:
+        case "rmse":
+            own = spread**2 / (2.0 * found.value)
+        case "psnr":
+            own = 10.0 / math.log(10.0) * spread**2 * 10.0 ** (found.value / 10.0)
+        case "bias":
+            own = spread / math.sqrt(reference.pixels.size)
+        case _:
+            return found
+    return Estimate(found.value, math.hypot(found.standard_error or 0.0, own))
 
 
 def summary(result: Comparison, plan: Plan) -> dict[str, Any]:
