@@ -144,6 +144,15 @@ static inline void render_desc(raster *made, const raster_desc *desc, float *pix
   assert_true(cost.cpu_seconds > 0.0 && cost.wall_seconds > 0.0);
 }
 
+/* How rendering ends, which says why where it does not end well. */
+static inline asc_status try_desc(raster *made, const raster_desc *desc) {
+  float pixels[3 * PIXELS];
+  asc_error error = {""};
+  const asc_status status = raster_render(made, desc, pixels, NULL, &error);
+  assert_int_equal(status == ASC_OK, error.text[0] == '\0');
+  return status;
+}
+
 static inline void render(raster *made, uint32_t samples, const double *offsets, const double *weights, size_t count,
                           float *pixels) {
   const raster_desc desc = passes_of(samples, offsets, weights, count, 0);

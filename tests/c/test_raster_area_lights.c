@@ -3,14 +3,20 @@
 
 static const double rounding = 5e-7; /* of a few float operations on numbers below 2 */
 
-/* The floor below a light, one pass: against the equation of scene.h at the point that the numbers choose. */
-static void light_case(asc_light_kind kind, uint32_t inverse_square, double side) {
+/* Red paper without an end, seen from above. */
+static stage *new_floor(void) {
   stage *s = new_stage(ASC_ORTHOGRAPHIC);
   const uint32_t paper = add_material(s, 0.0, 0.0, 0.0);
   s->materials[paper].albedo[0] = 1.0;
   const double origin[3] = {0.0, 0.0, 0.0};
   const double normal[3] = {0.0, 0.0, 1.0};
   add_plane(s, origin, normal, paper);
+  return s;
+}
+
+/* The floor below a light, one pass: against the equation of scene.h at the point that the numbers choose. */
+static void light_case(asc_light_kind kind, uint32_t inverse_square, double side) {
+  stage *s = new_floor();
   asc_light *lamp = add_light(s, kind, 1.5, -2.0, 6.0);
   lamp->inverse_square = inverse_square;
   lamp->intensity[0] = inverse_square ? 30.0 : 1.0;
@@ -66,12 +72,7 @@ static void test_a_ball_of_light(void **state) {
   for (size_t i = 0; i < COUNT; ++i) {
     offsets[2 * i] = offsets[2 * i + 1] = 0.5;
   }
-  stage *s = new_stage(ASC_ORTHOGRAPHIC);
-  const uint32_t paper = add_material(s, 0.0, 0.0, 0.0);
-  s->materials[paper].albedo[0] = 1.0;
-  const double origin[3] = {0.0, 0.0, 0.0};
-  const double normal[3] = {0.0, 0.0, 1.0};
-  add_plane(s, origin, normal, paper);
+  stage *s = new_floor();
   asc_light *lamp = add_light(s, ASC_LIGHT_SPHERE, 1.5, -2.0, 4.0);
   lamp->inverse_square = 1;
   lamp->intensity[0] = 30.0;

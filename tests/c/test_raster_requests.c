@@ -120,12 +120,8 @@ static void test_more_shadows_than_can_be_tested_are_refused(void **state) {
 }
 
 static asc_status try_render(raster *made, uint32_t samples, const double *offset, const double *weight, size_t count) {
-  float pixels[3 * PIXELS];
   const raster_desc desc = passes_of(samples, offset, weight, count, 0);
-  asc_error error = {""};
-  asc_status status = raster_render(made, &desc, pixels, NULL, &error);
-  assert_int_equal(status == ASC_OK, error.text[0] == '\0');
-  return status;
+  return try_desc(made, &desc);
 }
 
 static void test_what_only_the_tracer_draws_is_refused(void **state) {

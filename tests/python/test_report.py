@@ -188,6 +188,8 @@ def test_scenes_that_a_renderer_drew_in_other_modes_are_not_pooled() -> None:
     flat, failed = scene_of("flat", *one, others["x"], others["y"]), scene_of("one failed", *one[:2], others["x"])
     assert [scene.name for scene in in_common((lens, flat, failed))] == ["flat", "one failed"]
     assert [scene.name for scene in in_common((flat, lens))] == ["flat"]
+    little = scene_of("little", *one, others["x"], others["z"], row_of("povray", "w", 0.1, 1.0, pixels))
+    assert [scene.name for scene in in_common((flat, little))] == ["flat"]  # one of povray's four modes in both
     assert [scene.name for scene in in_common((lens,))] == ["lens"]
 
 
