@@ -40,6 +40,7 @@ C_BENCHES := $(patsubst tests/bench/%.c,$(OBJECTS)/%,$(wildcard tests/bench/benc
 KEPT_RAYS := $(OBJECTS)/kept_rays.so
 BINDINGS := $(BUILD)/bindings.stamp
 PLUGIN := $(BUILD)/plugins/kronecker.so
+DEFECTIVE := $(BUILD)/plugins/repeats.so
 # What is installed carries the major version, as programs that were linked with it keep to that ABI. The Python package
 # has its own copy, under a plain name.
 SONAME := libaliascope.so.$(firstword $(subst ., ,$(VERSION)))
@@ -170,6 +171,12 @@ $(BUILD)/plugins/%.so: csrc/plugins/%.c csrc/include/aliascope/*.h
 	@mkdir -p $(@D)
 	@$(call say,building)
 	@$(CC) -shared $(filter-out -fsanitize%,$(CFLAGS)) -Icsrc/include $< -o $@ -lm
+
+# Of these that one alone calls the library.
+$(DEFECTIVE): csrc/plugins/repeats.c csrc/include/aliascope/*.h $(LIBRARIES)/libaliascope.so
+	@mkdir -p $(@D)
+	@$(call say,building)
+	@$(CC) -shared $(filter-out -fsanitize%,$(CFLAGS)) -Icsrc/include $< -L$(LIBRARIES) -laliascope -o $@
 
 # --- C tests and benchmarks -------------------------------------------------------------------------------------------
 
