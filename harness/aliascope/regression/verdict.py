@@ -367,7 +367,7 @@ def _costs(observed: Observed, blessed: Blessed, chance: float) -> list[Check]:
     checks = []
     for name, counts in now.items():
         blessed_counts = then.get(name, [0] * len(counts))
-        if name in hanging:
+        if name in hanging and name in then:
             checks.append(_drift(observed, name, counts, blessed_counts, chance))
             continue
         apart = max(abs(one - other) for one, other in zip(counts, blessed_counts, strict=True))
@@ -384,8 +384,7 @@ def _costs(observed: Observed, blessed: Blessed, chance: float) -> list[Check]:
 
 
 def _drift(observed: Observed, name: str, now: Sequence[int], then: Sequence[int], chance: float) -> Check:
-    ratios = np.array([[one / max(1, other) - 1.0] for one, other in zip(now, then, strict=True)])
-    ratios = np.where((np.array(now) == np.array(then))[:, np.newaxis], 0.0, ratios)
+    ratios = np.array([[(one - other) / max(1, other)] for one, other in zip(now, then, strict=True)])
     tested = student_test(ratios, COUNT_MARGIN, 0.0, chance)
     return Check(
         observed.name,
