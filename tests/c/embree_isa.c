@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-RTCDevice rtcNewDevice(const char *config) {
+__attribute__((visibility("default"))) RTCDevice rtcNewDevice(const char *config) {
   RTCDevice (*made)(const char *) = NULL;
   void *found = dlsym(RTLD_NEXT, "rtcNewDevice");
   if (!found) return NULL;

@@ -134,6 +134,22 @@ def test_defects_apply_where_there_is_what_they_break() -> None:
     assert all(DEFECTS[name].absent for name in special)
 
 
+def test_shifts_add_to_those_of_the_replicate() -> None:
+    asked = request("povray", "none", shift=(0.25, -0.5))
+    assert of_request("shift right", asked).shift == (0.28125, -0.5)
+    assert of_request("shift down", asked).shift == (0.25, -0.46875)
+    assert of_request("seed ignored", asked).shift == (0.0, 0.0)
+
+
+def test_a_seed_that_is_ignored_gives_one_picture() -> None:
+    asked = [request("embree", "uniform:n=4,sampler=random", seed=seed) for seed in (1, 2)]
+    embree = renderers.find("embree")
+    same = [embree.render(of_request("seed ignored", each)).pixels for each in asked]
+    other = [embree.render(each).pixels for each in asked]
+    assert np.array_equal(*same)
+    assert not np.array_equal(*other)
+
+
 @pytest.fixture(scope="module")
 def plugin(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The defective sampler, compiled."""
