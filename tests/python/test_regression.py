@@ -18,8 +18,9 @@ from aliascope.records import Cost
 from aliascope.regression import verdict
 from aliascope.regression.observe import Observer, Target, observed
 from aliascope.regression.records import Blessed, CellName, Draw, Judged, Observed
+from aliascope.regression.student import jackknife, student_test
 from aliascope.regression.templates import BLOCK_MARGIN, BY_NAME, TEMPLATES, Basis, block_place, moved, names_of
-from aliascope.regression.verdict import Chances, count, judge, shared, student_test
+from aliascope.regression.verdict import Chances, count, judge, shared
 from aliascope.studies import regress_suite
 
 NAMES = tuple(template.name for template in TEMPLATES)
@@ -426,15 +427,15 @@ def test_accuracy_over_blocks_is_the_jackknifes() -> None:
     rng = np.random.default_rng(8)
     then = rng.gamma(4.0, 1e-4, size=200)
     now = then * rng.gamma(20.0, 1 / 20.0, size=200)
-    mean, error, freedom = verdict._jackknife(now, then)
+    mean, error, freedom = jackknife(now, then)
     assert mean == pytest.approx(0.5 * np.log(now.sum() / then.sum()))
     assert freedom == 199
     picks = rng.integers(0, 200, size=(4000, 200))
     again = 0.5 * np.log(now[picks].sum(axis=1) / then[picks].sum(axis=1))
     assert error == pytest.approx(again.std(), rel=0.1)
-    assert verdict._jackknife(then, then)[:2] == (0.0, 0.0)
-    assert verdict._jackknife(np.zeros(4), np.zeros(4))[:2] == (0.0, 0.0)
-    assert verdict._jackknife(np.array([1.0]), np.array([0.0]))[0] > 10
+    assert jackknife(then, then)[:2] == (0.0, 0.0)
+    assert jackknife(np.zeros(4), np.zeros(4))[:2] == (0.0, 0.0)
+    assert jackknife(np.array([1.0]), np.array([0.0]))[0] > 10
 
 
 # --- the suite --------------------------------------------------------------------------------------------------------
