@@ -3,23 +3,26 @@ missed is said."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import complaint, run
 from scipy.stats import binomtest
 
-from aliascope import references, renderers
+from aliascope import places, references, renderers, scene_io
 from aliascope.model import Scene
 from aliascope.records import Pixels
+from aliascope.references import files as reference_files
 from aliascope.regression.defects import DEFECTS
 from aliascope.regression.observe import Target
 from aliascope.regression.records import CellName, Check, Draw, Observed
 from aliascope.regression.verdict import Chances, count, shared
 from aliascope.renderers.base import Request
 from aliascope.scene_io import SceneFile
-from aliascope.studies import power, power_caught, power_defects, power_null, power_pool, power_text
+from aliascope.studies import power, power_caught, power_defects, power_null, power_pool, power_text, regress_suite
 from aliascope.studies.power_caught import Caught
 from aliascope.studies.power_drawn import drawn
 from aliascope.studies.power_kept import Kept
@@ -264,6 +267,53 @@ def test_what_is_missed_or_alarms_too_often_does_not_hold() -> None:
     assert not replace(answer_of(), calm=False).holds
     assert not replace(answer_of(), elsewhere=Elsewhere(1, 16, 16, ("x",))).holds
     assert "  5 x  x" in power_text.lines(answer_of(alarms=5))
+
+
+TINY = """
+title = "t"
+shows = "s"
+[view]
+size = [16, 12]
+[camera]
+type = "orthographic"
+eye = [0.0, 0.0, 10.0]
+look_at = [0.0, 0.0, 0.0]
+height = 12.0
+[materials.white]
+emission = [1.0, 1.0, 1.0]
+[[surfaces]]
+type = "polygon"
+material = "white"
+points = [[-5.0, -4.0, 0.0], [6.0, -3.0, 0.0], [1.0, 5.0, 0.0]]
+"""
+
+
+def test_the_command_measures_writes_and_keeps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One cell of one renderer, as the whole suite takes half an hour."""
+    (tmp_path / "tiny.toml").write_text(TINY)
+    monkeypatch.setattr(places, "REFERENCES", tmp_path / "reference")
+    file = scene_io.load(str(tmp_path / "tiny.toml"))
+    reference = references.make(file.scene, file.scene.view.size)
+    reference_files.save(places.REFERENCES, "tiny", file.scene, file.scene.view.size, "box", reference)
+    modes = {"embree": {"plain": ("uniform:n=64,sampler=sobol,sampler.scramble=owen",)}}
+    monkeypatch.setattr(regress_suite, "SUITE", modes)
+    words = ("power", file.path, "-r", "embree", "-j", "1", "-o", tmp_path / "out", "--repetitions", "30")
+    assert "--plugin .build/plugins/repeats.so" in complaint(*words, code=2)
+    wanted = {name: DEFECTS[name] for name in ("gain 1 %", "wider filter")}
+    monkeypatch.setattr(power, "DEFECTS", wanted)
+    monkeypatch.setattr(power, "REPEATED", tuple(wanted))
+    found = run(*words, "--pool", "32", "--tries", "1").stdout.splitlines()
+    assert found[0].startswith("0 of 30 repetitions of the whole suite")
+    assert "The suite has 1 cells" in found[0]
+    assert any(line.startswith("gain 1 %") and "1 of 1 scenes, 2 of 2 times" in line for line in found)
+    assert found[-2:] == ["holds", str(tmp_path / "out" / "power.md")]
+    document = json.loads((tmp_path / "out" / "power.json").read_text())
+    assert document["holds"]
+    assert document["null"]["repetitions"] == 30
+    kept = {path: path.stat().st_mtime_ns for path in (tmp_path / "out" / "kept").iterdir()}
+    assert len(kept) == 4  # as it is, a pool, two tries
+    assert json.loads(run(*words, "--pool", "32", "--tries", "1", "--json").stdout) == document
+    assert kept == {path: path.stat().st_mtime_ns for path in (tmp_path / "out" / "kept").iterdir()}
 
 
 def test_what_was_rendered_is_kept_whole(tmp_path: Path) -> None:

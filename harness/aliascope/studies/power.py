@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from aliascope import places, renderers, scene_io
-from aliascope.errors import NotAvailable
+from aliascope.errors import InvalidInput, NotAvailable
+from aliascope.native import samplers
 from aliascope.references import files as reference_files
 from aliascope.regression.defects import DEFECTS
 from aliascope.regression.observe import Target
@@ -112,24 +113,30 @@ class Answer:
 
 
 def answer(asked: Asked, tell: Tell) -> Answer:
-    """Measures. Raises NotAvailable, CheckFailed for a reference that is missing, JobFailed."""
+    """Measures. Raises InvalidInput without the plugin of a defect, NotAvailable, CheckFailed for a reference that is
+    missing, JobFailed."""
+    if "dimension repeated" in DEFECTS and "repeats" not in {info.name for info in samplers.registered()}:
+        raise InvalidInput("the sampler that repeats a dimension is not loaded: add --plugin .build/plugins/repeats.so")
     names, versions = _renderers(asked)
     files = [scene_io.load(word) for word in selection.scenes_of(asked.scenes)]
     cells, _ = regress_suite.cells_of(files, names)
-    study = _Study(asked, cells, tell)
-    base = study.base()
-    chances = shared(sum((count(each, blessed_of(each)) for each in base.values()), Tests()))
-    caught = study.caught(base, chances)
+    with Workers(asked.processes) as busy, Workers(IDLE_ABREAST) as idle:
+        study = _Study(asked, cells, tell, busy, idle)
+        base = study.base()
+        tests = sum((count(each, blessed_of(each)) for each in base.values()), Tests())
+        chances = shared(tests)
+        caught, null = study.caught(base, chances), study.null(chances)
+    elsewhere = study.elsewhere(base, chances, asked.shim) if asked.shim is not None else None
     return Answer(
         asked=asked,
         drawn={name: tuple(dict.fromkeys(c.name.scene for c in cells if c.name.renderer == name)) for name in names},
         cells=len(cells),
         seeded=sum(map(_seeded, cells)),
-        tests=sum((count(each, blessed_of(each)) for each in base.values()), Tests()).total,
+        tests=tests.total,
         significance=SIGNIFICANCE,
         calm=not any(alarms_of(each, each, chances) for each in base.values()),
-        null=study.null(chances),
-        elsewhere=study.elsewhere(base, chances, asked.shim) if asked.shim is not None else None,
+        null=null,
+        elsewhere=elsewhere,
         caught=tuple(caught),
         versions=versions,
     )
@@ -169,11 +176,13 @@ class _Work:
 
 @dataclass(frozen=True)
 class _Study:
-    """The parts of one measurement, that share cells, targets, and what was rendered before."""
+    """The parts of one measurement, that share cells, processes, targets, and what was rendered before."""
 
     asked: Asked
     cells: Sequence[Cell]
     tell: Tell
+    busy: Workers
+    idle: Workers
     targets: dict[tuple[str, str], Target] = field(default_factory=dict)
 
     @property
@@ -189,17 +198,19 @@ class _Study:
             self.targets[key] = Target(found.exact, found.standard_error)
         return self.targets[key]
 
-    def results(self, work: Sequence[_Work], what: str) -> list[Any]:
-        """Those of all tasks, what is kept or else done now and then kept; those that idle beside the others."""
-        with Workers(self.asked.processes) as busy, Workers(IDLE_ABREAST) as idle:
-            missing = [each for each in work if not self.kept.has(each.key)]
-            limit = self.asked.time_limit
-            begun: list[Task[Any]] = [
-                (idle if _idles(each.cell) else busy).begin(each.task, each.arguments, limit) for each in missing
-            ]
-            for number, (each, task) in enumerate(zip(missing, begun, strict=True)):
-                self.tell(f"{what}: {each.cell.name.text}", number, len(missing))
-                self.kept.put(each.key, task.result())
+    def results(self, work: Sequence[_Work], what: str, others: Workers | None = None) -> list[Any]:
+        """Those of all tasks, what is kept or else done now and then kept; those that idle beside the others. `others`:
+        the processes that do it all, in place of the study's own."""
+        missing = [each for each in work if not self.kept.has(each.key)]
+        begun: list[Task[Any]] = [
+            (others or (self.idle if _idles(each.cell) else self.busy)).begin(
+                each.task, each.arguments, self.asked.time_limit
+            )
+            for each in missing
+        ]
+        for number, (each, task) in enumerate(zip(missing, begun, strict=True)):
+            self.tell(f"{what}: {each.cell.name.text}", number, len(missing))
+            self.kept.put(each.key, task.result())
         self.tell(None, len(missing), len(missing))
         return [self.kept.get(each.key) for each in work]
 
@@ -224,15 +235,15 @@ class _Study:
         numbers = range(self.asked.repetitions)
         keys, folder = [each.key for each in pools], self.kept.folder
         found = Null(0, 0)
-        with Workers(self.asked.processes) as workers:
-            chunks = [numbers[first : first + CHUNK] for first in range(0, len(numbers), CHUNK)]
-            tasks = [
-                workers.begin(repeated, [folder, keys, chances, REPLICATES, chunk], self.asked.time_limit)
-                for chunk in chunks
-            ]
-            for number, task in enumerate(tasks):
-                self.tell("repetitions", number, len(tasks))
-                found = found.joined(task.result())
+        tasks = [
+            self.busy.begin(
+                repeated, [folder, keys, chances, REPLICATES, numbers[first : first + CHUNK]], self.asked.time_limit
+            )
+            for first in range(0, len(numbers), CHUNK)
+        ]
+        for number, task in enumerate(tasks):
+            self.tell("repetitions", number, len(tasks))
+            found = found.joined(task.result())
         return found
 
     def elsewhere(self, base: Mapping[CellName, Observed], chances: Chances, shim: Path) -> Elsewhere:
@@ -247,8 +258,8 @@ class _Study:
             )
             for each in cells
         ]
-        with power_machines.instructions(shim):
-            found = self.results(work, "other instructions")
+        with power_machines.instructions(shim), Workers(self.asked.processes) as others:
+            found = self.results(work, "other instructions", others)
         other = {each.name: seen for each, seen in zip(cells, found, strict=True)}
         return power_machines.compared(base, other, chances)
 
