@@ -103,7 +103,20 @@ def test_lines_are_as_wide_as_a_screen_but_for_commands() -> None:
 )
 def test_figures_and_head_room(made: Check, head: str, figures: str) -> None:
     assert regress_text.headroom(made) == head
-    assert figures in regress_text.check_line(made)
+    assert figures in regress_text.check_lines(made)[0]
+
+
+def test_details_have_a_line_of_their_own_where_they_need_it() -> None:
+    """And are left to the documents where the check passed."""
+    long = "beyond their limits: " + ", ".join(f"({16 * i}, 0)" for i in range(20))
+    fine, wrong = (check(EDGE, "block", figure, 0.1, detail=long) for figure in (0.05, 0.2))
+    assert len(regress_text.check_lines(fine)) == 1
+    lines = regress_text.check_lines(wrong)
+    assert " ".join(" ".join(lines[1:]).split()) == long
+    assert all(len(line) <= 120 for line in lines)
+    assert long in regress_files.markdown(
+        dataclasses.replace(passing(), cells=(verdict(EDGE, fine), verdict(STAR, wrong)))
+    )
 
 
 # --- JSON -------------------------------------------------------------------------------------------------------------

@@ -227,7 +227,7 @@ def _table(pairs: Sequence[tuple[CellVerdict, Check]]) -> str:
 def _row(cell: CellVerdict, check: Check) -> tuple[str, ...]:
     unit = f" {check.unit}" if check.unit else ""
     limit = f"{'≥' if check.at_least else '≤'} {text.number(check.limit)}{unit}"
-    about = "; ".join([check.about, *text.notes(check)])
+    about = "; ".join([check.about, *text.notes(check), *([check.detail] if check.detail else [])])
     observed = f"{text.number(check.observed)}{unit}"
     return f"`{cell.name.text}`", *map(_escaped, (about, observed, limit, text.headroom(check)))
 

@@ -8,13 +8,16 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from aliascope.regression.records import CellVerdict, Check, Control, Run
+from aliascope.regression.verdict import SHARES
 
 WIDTH = 120
 CHANNELS = ("red", "green", "blue")
 
+_FAMILIES = {"effect": "effects", "block": "blocks", "accuracy": "accuracy"}
 SHARED = (
-    "corrected for all of them together: Bonferroni, half of it for effects, a quarter for blocks and a quarter for "
-    "accuracy, each shared evenly by its tests"
+    "corrected for all of them together: Bonferroni, "
+    + ", ".join(f"{share:.0%} of it for {_FAMILIES[family]}" for family, share in SHARES.items())
+    + ", each part shared evenly by its tests"
 )
 
 
@@ -69,7 +72,9 @@ def cell_lines(cell: CellVerdict, everything: bool = True) -> list[str]:
     made = [f"{word:7}  {cell.name.text}"]
     if cell.problem:
         made += _wrapped(cell.problem)
-    made += [check_line(check) for check in in_order(cell.checks) if everything or not (check.passed or check.warning)]
+    for check in in_order(cell.checks):
+        if everything or not (check.passed or check.warning):
+            made += check_lines(check)
     return made + ([] if cell.passed else [f"         {text}" for text in after(cell)])
 
 
@@ -86,12 +91,18 @@ def after(cell: CellVerdict) -> list[str]:
     return made + ([f"bless: {cell.bless}"] if cell.bless and not cell.failed else [])
 
 
-def check_line(check: Check) -> str:
-    """One check in columns: what was tested, figure, limit, head-room; the p-value, how many it stands for."""
+def check_lines(check: Check) -> list[str]:
+    """One check in columns: what was tested, figure, limit, head-room; the p-value, how many it stands for. What more
+    there is to say follows, on a line of its own if it has to; of a check that passed the documents have that."""
     sign = ">=" if check.at_least else "<="
-    figures = f"{number(check.observed):>10} {sign} {number(check.limit):<10} {check.unit:<14}"
-    text = f"  {mark(check):5}  {check.about:<38} {figures} {headroom(check):>9}"
-    return f"{text}  {'; '.join(notes(check))}".rstrip()
+    figures = f"{number(check.observed):>10} {sign} {number(check.limit):<10} {check.unit:<17}"
+    line = f"  {mark(check):5}  {check.about:<32} {figures} {headroom(check):>9}  {'; '.join(notes(check))}".rstrip()
+    if not check.detail:
+        return [line]
+    longer = f"{line}{'; ' if notes(check) else '  '}{check.detail}"
+    if len(longer) <= WIDTH:
+        return [longer]
+    return [line] if check.passed else [line, *_wrapped(check.detail)]
 
 
 def mark(check: Check) -> str:
@@ -99,10 +110,9 @@ def mark(check: Check) -> str:
 
 
 def notes(check: Check) -> list[str]:
-    """What there is to say of a check beyond its figures."""
+    """What there is to say of a check beyond its figures, in short."""
     made = [] if check.p_value is None else [f"p {check.p_value:.2g}"]
-    made += [f"worst of {check.tests:,}"] if check.tests > 1 else []
-    return made + ([check.detail] if check.detail else [])
+    return made + ([f"worst of {check.tests:,}"] if check.tests > 1 else [])
 
 
 def headroom(check: Check) -> str:
