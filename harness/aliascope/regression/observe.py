@@ -152,24 +152,27 @@ def observed(
     parts: Sequence[Part],
     versions: Mapping[str, str],
     metrics: Mapping[str, Estimate] | None = None,
+    together: bool = False,
 ) -> Observed:
     """All of a cell, from its parts in their order.
 
-    filter_: of its pictures; under another than the box pixels share samples, and what is known of the reference's
-    noise counts for more, as it does for the pictures' own.
+    together: all pixels have the same pattern of samples, and meet or miss alike. filter_: of its pictures; under
+    another than the box pixels share samples, and what is known of the reference's noise counts for more, as it does
+    for the pictures' own.
     """
     replicates = tuple(replicate for part in parts for replicate in part.replicates)
     moments = parts[0].moments
     for part in parts[1:]:
         moments = moments.joined(part.moments)
+    samples = replicates[0].samples / (target.size[0] * target.size[1])
+    floor = _floor(target.reference, samples, moments.count)
     factor = 1.0 if filter_ == "box" else _correlation(replicates, moments.variance, target.reference)
     unshifted = all(replicate.draw.shift == (0.0, 0.0) for replicate in replicates)
     first = parts[0].first
     mean, p_values, worst = None, None, None
     if unshifted:
         mean = target.reference + moments.mean
-        samples = replicates[0].samples / (target.size[0] * target.size[1])
-        p_values, worst = _by_pixel(target, moments, samples)
+        p_values, worst = _by_pixel(target, moments, floor)
     elif first is not None:
         mean = first.astype(np.float64)
         worst = _furthest(target, mean)
@@ -187,6 +190,7 @@ def observed(
         versions=dict(versions),
         metrics=dict(metrics or {}),
         quantum=parts[0].quantum,
+        floor_blocks=Basis(target.reference, ()).floor_blocks(floor, together),
         first=first,
         mean=mean,
         p_values=p_values,
@@ -202,16 +206,20 @@ def _correlation(replicates: Sequence[Replicate], variance: Array, reference: Ar
     return max(1.0, float(np.nansum(together) / apart.sum())) if apart.sum() > 0.0 else 1.0
 
 
-def _by_pixel(target: Target, moments: Moments, samples: float) -> tuple[Array, WorstPixel]:
-    """Student's test of each value against the reference: two-sided p-values, for people to look at, and where the mean
-    is furthest from the reference.
-
-    A sliver that no sample met leaves no variance: a standard error is at least that of one sample more or less in
-    each picture, of those that see the least and the largest value nearby.
-    """
-    reference = target.reference
+def _floor(reference: Array, samples: float, pictures: int) -> Array:
+    """The least standard error of each value of the mean of so many pictures, of so many samples a pixel: that of one
+    sample more or less in each, of those that see the least and the largest value nearby. A sliver that no sample met
+    leaves no variance."""
     nearby = ndimage.maximum_filter(reference, (3, 3, 1)) - ndimage.minimum_filter(reference, (3, 3, 1))
-    own = np.maximum(moments.variance / moments.count, (nearby / samples) ** 2 / moments.count)
+    floor: Array = nearby / (samples * np.sqrt(pictures))
+    return floor
+
+
+def _by_pixel(target: Target, moments: Moments, floor: Array) -> tuple[Array, WorstPixel]:
+    """Student's test of each value against the reference: two-sided p-values, for people to look at, and where the mean
+    is furthest from the reference."""
+    reference = target.reference
+    own = np.maximum(moments.variance / moments.count, floor**2)
     known = np.zeros_like(own) if target.standard_error is None else target.standard_error**2
     spread = np.sqrt(own + known) + np.finfo(np.float32).eps * (1.0 + np.abs(reference))
     score = np.abs(moments.mean) / spread

@@ -79,6 +79,7 @@ class WorstPixel:
 class Observed:
     """All replicates of a cell. `names` of the templates, in the order of `coefficients`; `known`: the standard errors
     of the coefficients, and `known_blocks` of the blocks, that come of the reference's own noise, 0 where it is exact.
+    `floor_blocks`: the least standard errors of the means of blocks, those of one sample more or less in each picture.
     `scatter`: the variance of a value between replicates, its mean over the picture.
 
     `first`, `mean`, `p_values`, `worst` are for people: the first picture, the mean of all (of unshifted ones), and
@@ -98,6 +99,7 @@ class Observed:
     versions: Mapping[str, str]
     metrics: Mapping[str, Estimate] = field(default_factory=dict)
     quantum: float = 0.0
+    floor_blocks: tuple[float, ...] = ()
     first: Pixels | None = None
     mean: Array | None = None
     p_values: Array | None = None

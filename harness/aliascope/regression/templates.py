@@ -150,6 +150,12 @@ class Basis:
         spread = np.sqrt(block_means(standard_error**2) / _block_counts(standard_error.shape))
         return tuple((spread / self._scales).ravel().tolist())
 
+    def floor_blocks(self, floor: Array, together: bool) -> tuple[float, ...]:
+        """The least standard errors of the blocks from those of values, which all go up and down `together`, as their
+        mean then does, or each by itself."""
+        spread = block_means(floor) if together else np.sqrt(block_means(floor**2) / _block_counts(floor.shape))
+        return tuple((spread / self._scales).ravel().tolist())
+
 
 def names_of(reference: Array) -> tuple[str, ...]:
     """The templates that can be told in pictures of this reference: a picture of one colour shows no shift."""

@@ -10,8 +10,11 @@ blessed figures the difference from the blessed replicate with the same draw - a
 
 has at most Student's distribution, nearly, if the expectation lies within the margin, with Welch's degrees of freedom
 (1947); `known` is what the reference's own noise makes of it. The samples of one picture are not independent, its
-values share them: replicates are. Values of one picture that are all the same in all replicates have no variance, and
-then the margin alone decides.
+values share them: replicates are. Where all replicates have the same there is no variance, and the margin decides.
+
+A well stratified pattern counts a detail with the same number of its N samples in all pictures, which then scatter less
+than they are off. So the standard error of a block beside the reference is at least that of one sample more or less in
+each picture (`floor_blocks`).
 """
 
 from __future__ import annotations
@@ -144,19 +147,22 @@ class Tested:
     @property
     def share(self) -> Array:
         """Of its limit, that each mean is; infinite for one that is no number."""
-        share: Array = np.where(np.isnan(self.mean), np.inf, np.abs(self.mean) / self.limit)
-        return share
+        return np.asarray(np.where(np.isnan(self.mean), np.inf, np.abs(self.mean) / self.limit))
 
 
-def student_test(values: Array, margin: Array | float, known: Array | float, chance: float) -> Tested:
+def student_test(
+    values: Array, margin: Array | float, known: Array | float, chance: float, floor: Array | float = 0.0
+) -> Tested:
     """Student's test of the mean of values (K, n), one test a column, with what is `known` of its standard error
-    besides, from so much that it counts as exact."""
+    besides, from so much that it counts as exact. `floor`: the least that its own standard error can be."""
     # Around the first: equal values have no variance, not that of their rounding.
     moved = values - values[0]
     mean = values[0] + moved.mean(axis=0)
     own = moved.var(axis=0, ddof=1) / len(values)
+    least = np.broadcast_to(np.asarray(floor, dtype=np.float64) ** 2, own.shape)
     other = np.broadcast_to(np.asarray(known, dtype=np.float64) ** 2, own.shape)
-    freedom = welch(own, other, len(values) - 1, np.inf)
+    freedom = welch(np.maximum(own, least), other, np.where(least > own, 1e9, len(values) - 1.0), 1e9)
+    own = np.maximum(own, least)
     error = np.sqrt(own + other)
     beyond = np.abs(mean) - margin
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -167,11 +173,12 @@ def student_test(values: Array, margin: Array | float, known: Array | float, cha
 
 def _paired(observed: Observed, blessed: Blessed | None, of: Callable[[Replicate], Sequence[float]]) -> Array:
     """(K, n): of each replicate, less what its blessed one has where the cell is judged by that."""
-    values = np.array([of(replicate) for replicate in observed.replicates])
+    values: Array = np.array([of(replicate) for replicate in observed.replicates])
     if observed.judged == "reference":
         return values
     assert blessed is not None  # else there is no such test
-    return values - np.array([of(replicate) for replicate in blessed.observed.replicates])
+    then: Array = np.array([of(replicate) for replicate in blessed.observed.replicates])
+    return values - then
 
 
 def _effects(observed: Observed, blessed: Blessed | None, chance: float) -> Check | None:
@@ -187,9 +194,12 @@ def _effects(observed: Observed, blessed: Blessed | None, chance: float) -> Chec
 
 
 def _blocks(observed: Observed, blessed: Blessed | None, chance: float) -> Check:
-    known = np.array(observed.known_blocks) if observed.judged == "reference" else 0.0
+    known, floor = (
+        np.array(each) if observed.judged == "reference" and each else 0.0
+        for each in (observed.known_blocks, observed.floor_blocks)
+    )
     values = _paired(observed, blessed, lambda replicate: replicate.blocks)
-    tested = student_test(values, BLOCK_MARGIN, known, chance)
+    tested = student_test(values, BLOCK_MARGIN, known, chance, floor)
     worst = int(np.argmax(tested.share))
     names = [f"({x}, {y})" for x, y in (block_place(number, observed.size) for number in range(len(tested.share)))]
     beyond = [name for name, share in zip(names, tested.share, strict=True) if not share <= 1.0]
@@ -264,7 +274,7 @@ def _distinct(observed: Observed, blessed: Blessed | None) -> Check:
     was blessed it changes now."""
     needed = len(observed.replicates)
     if any(replicate.draw.shift != (0.0, 0.0) for replicate in observed.replicates):
-        needed = 2 if blessed is None else len({replicate.sha256 for replicate in blessed.observed.replicates})
+        needed = max(2, len({replicate.sha256 for replicate in blessed.observed.replicates}) if blessed else 0)
     many = len({replicate.sha256 for replicate in observed.replicates})
     about = "different pictures"
     return Check(observed.name, "variance", about, float(many), float(needed), "", many >= needed, at_least=True)
