@@ -15,6 +15,7 @@ from regress_runs import CRASHED, EDGE, GONE, STAR, check, failing, observed, pa
 from aliascope.errors import NotWritable
 from aliascope.regression.records import Check, Run
 from aliascope.studies import regress_files, regress_text
+from aliascope.studies.regress import Asked, Seen
 
 # --- lines ------------------------------------------------------------------------------------------------------------
 
@@ -95,6 +96,9 @@ def test_lines_are_as_wide_as_a_screen_but_for_commands() -> None:
         (check(EDGE, "a", 5.0, 0.1), "50 times", "5 <= 0.1"),
         (check(EDGE, "a", 2.0, 0.5, at_least=True), "75 %", "2 >= 0.5"),
         (check(EDGE, "a", 0.25, 0.5, at_least=True), "-100 %", "0.25 >= 0.5"),
+        (check(EDGE, "a", 0.25, -0.5, at_least=True), "150 %", "0.25 >= -0.5"),
+        (check(EDGE, "a", -1.0, -0.5, at_least=True), "-100 %", "-1 >= -0.5"),
+        (check(EDGE, "a", -1.0, 0.5, at_least=True), "-", "-1 >= 0.5"),
         (check(EDGE, "a", 1.0, 0.0), "-", "1 <= 0"),
         (check(EDGE, "a", math.nan, 0.5), "-", "none <= 0.5"),
         (check(EDGE, "a", math.inf, 0.5), "-", "infinite <= 0.5"),
@@ -243,14 +247,16 @@ def test_markup_in_words_stays_words() -> None:
 
 def test_files_are_written_where_they_were_asked_for(tmp_path: Path) -> None:
     run = dataclasses.replace(passing(), cells=(*passing().cells, verdict(GONE, observed=observed(GONE))))
-    paths = regress_files.write(tmp_path / "out", run, tmp_path / "a" / "junit.xml", tmp_path / "note.md")
-    assert [path.relative_to(tmp_path).as_posix() for path in paths] == [
-        "out/results.json",
-        "out/summary.md",
-        "a/junit.xml",
-        "note.md",
-    ]
+    page = regress_files.write(tmp_path / "out", run, NOTHING, tmp_path / "a" / "junit.xml", tmp_path / "note.md")
+    assert page == tmp_path / "out" / "report.html"
+    assert (tmp_path / "a" / "junit.xml").read_text() == regress_files.junit(run)
     assert (tmp_path / "note.md").read_text() == (tmp_path / "out" / "summary.md").read_text()
     assert json.loads((tmp_path / "out" / "results.json").read_text()) == regress_files.document(run)
     with pytest.raises(NotWritable, match="cannot be written"):
-        regress_files.write(tmp_path / "note.md", run)
+        regress_files.write(tmp_path / "note.md", run, NOTHING)
+    with pytest.raises(NotWritable, match="choose another folder with -o"):
+        regress_files.check_writable(tmp_path / "note.md")
+
+
+NOTHING = Seen(Asked(), (), {}, (), (), {}, {}, {}, "", 0.0)
+"""Of a run that was made up nothing was rendered."""

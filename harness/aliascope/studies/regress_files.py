@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import math
@@ -13,8 +14,13 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from aliascope.errors import CheckFailed, NotAvailable, NotWritable, Unsupported
+from aliascope.references import Reference, files
 from aliascope.regression.records import CellName, CellVerdict, Check, Control, Run
+from aliascope.renderers.base import filter_of
+from aliascope.studies import regress_page
 from aliascope.studies import regress_text as text
+from aliascope.studies.regress import Seen
 from aliascope.text_files import write_text
 
 # --- JSON -------------------------------------------------------------------------------------------------------------
@@ -251,8 +257,46 @@ def _escaped(value: str) -> str:
 # --- writing ----------------------------------------------------------------------------------------------------------
 
 
-def write(folder: Path, run: Run, junit_path: Path | None = None, markdown_path: Path | None = None) -> list[Path]:
-    """results.json and summary.md of a folder, and the files that were asked for. Raises NotWritable."""
-    made = [write_text(folder / "results.json", results(run)), write_text(folder / "summary.md", markdown(run))]
-    made += [write_text(junit_path, junit(run))] if junit_path else []
-    return made + ([write_text(markdown_path, markdown(run))] if markdown_path else [])
+def check_writable(folder: Path) -> None:
+    """Makes the folder, before anything takes time. Raises NotWritable."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise NotWritable(f"{folder}: cannot be written: {error.strerror}; choose another folder with -o") from error
+
+
+def check_drawn(seen: Seen) -> None:
+    """Raises NotAvailable or Unsupported where there is no cell: a run that tests nothing passes nothing."""
+    if seen.cells:
+        return
+    if seen.skipped:
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in seen.skipped.items())
+        raise NotAvailable(f"nothing is left to test, as renderers are not there: {reasons}")
+    name, reason = seen.empty[0] if seen.empty else (None, "the suite has no mode for these scenes; name one with -m")
+    raise Unsupported(f"nothing to test: {name.text}: {reason}" if name else f"nothing to test: {reason}")
+
+
+def write(
+    folder: Path, run: Run, seen: Seen, junit_path: Path | None = None, markdown_path: Path | None = None
+) -> Path:
+    """Writes the page, results.json and summary.md of a folder, and the files that were asked for. Returns the path of
+    the page. Raises NotWritable."""
+    write_text(folder / "results.json", results(run))
+    write_text(folder / "summary.md", markdown(run))
+    if junit_path:
+        write_text(junit_path, junit(run))
+    if markdown_path:
+        write_text(markdown_path, markdown(run))
+    return regress_page.write(folder, run, {cell.name.scene: cell.file for cell in seen.cells}, _references(seen))
+
+
+def _references(seen: Seen) -> dict[tuple[str, str], Reference]:
+    """Those that are there, by scene and filter."""
+    found = {}
+    for cell in seen.cells:
+        key = cell.name.scene, filter_of(cell.spec)
+        scene = cell.file.scene
+        if key not in found:
+            with contextlib.suppress(CheckFailed):  # which the verdict says
+                found[key] = files.load(seen.asked.references, key[0], scene, scene.view.size, key[1])
+    return found

@@ -71,7 +71,7 @@ def cell_lines(cell: CellVerdict, everything: bool = True) -> list[str]:
     word = "passed" if cell.passed else "CRASHED" if cell.failed else "FAILED"
     made = [f"{word:7}  {cell.name.text}"]
     if cell.problem:
-        made += _wrapped(cell.problem)
+        made += _problem(cell)
     for check in in_order(cell.checks):
         if everything or not (check.passed or check.warning):
             made += check_lines(check)
@@ -111,7 +111,7 @@ def mark(check: Check) -> str:
 
 def notes(check: Check) -> list[str]:
     """What there is to say of a check beyond its figures, in short."""
-    made = [] if check.p_value is None else [f"p {check.p_value:.2g}"]
+    made = [] if check.p_value is None or math.isnan(check.p_value) else [f"p {check.p_value:.2g}"]
     return made + ([f"worst of {check.tests:,}"] if check.tests > 1 else [])
 
 
@@ -143,10 +143,20 @@ def reasons(cell: CellVerdict) -> list[str]:
     return made + [figure(check) for check in in_order(cell.checks) if not (check.passed or check.warning)]
 
 
+def _problem(cell: CellVerdict) -> list[str]:
+    """A problem may end in a command, which is not to be broken over lines; the one that blesses stands below it."""
+    told, sign, command = cell.problem.partition(": aliascope ")
+    if not sign:
+        return _wrapped(told)
+    if f"aliascope {command}" == cell.bless:
+        return _wrapped(told.rpartition("; ")[0] or told)
+    return [*_wrapped(f"{told}:"), f"         aliascope {command}"]
+
+
 def _wrapped(text: str) -> list[str]:
-    """A problem may end in a command, which is not to be broken over lines."""
+    indent = " " * 9
     return textwrap.wrap(
-        text, WIDTH, initial_indent=" " * 9, subsequent_indent=" " * 9, break_long_words=False, break_on_hyphens=False
+        text, WIDTH, initial_indent=indent, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
     )
 
 
@@ -155,12 +165,9 @@ def _wrapped(text: str) -> list[str]:
 
 def control_line(control: Control) -> str:
     """Whether a defect that was put in on purpose was found."""
-    how = (
-        f"caught by {control.by}"
-        if control.caught
-        else f"NOT CAUGHT{f': {control.problem}' if control.problem else ''}"
-    )
-    return f"control  {control.defect}, put into {control.name.text}: {how}"
+    problem = control.problem.partition("; ")[0]
+    how = f"caught by {control.by}" if control.caught else f"NOT CAUGHT{f': {problem}' if problem else ''}"
+    return f"control  {control.defect}, in {control.name.text}: {how}"
 
 
 def warnings_of(run: Run) -> list[tuple[CellVerdict, Check]]:
