@@ -46,9 +46,10 @@ class Template:
 
 
 def _around(picture: Array, right: int, down: int) -> Array:
-    """What stands so many pixels to the right and down of each pixel; the border repeated beyond it."""
+    """What stands so many pixels to the right and down of each pixel; beyond the border it goes on as straight as it
+    came, so that there is no edge at the border."""
     height, width = picture.shape[:2]
-    padded = np.pad(picture, ((1, 1), (1, 1), (0, 0)), mode="edge")
+    padded = np.pad(picture, ((1, 1), (1, 1), (0, 0)), mode="reflect", reflect_type="odd")
     return padded[1 + down : 1 + down + height, 1 + right : 1 + right + width]
 
 

@@ -227,6 +227,10 @@ def _worst(
 
 
 # --- values and variance ----------------------------------------------------------------------------------------------
+#
+# The limits of values are wider than what fresh seeds make of a cell: of 128 replicates of each cell of the suite on
+# Embree, 16 drawn for "now" and 16 for "blessed" a thousand times, no least value came to 0.1 of what is granted to it,
+# no largest to 0.5, no outlier to 0.9; the variance between replicates fell to 0.7 at the least.
 
 
 def _not_finite(observed: Observed) -> Check:
@@ -251,22 +255,18 @@ def _values(observed: Observed, blessed: Blessed) -> list[Check]:
 def least_limit(then: Sequence[Replicate]) -> float:
     """The least value that is no regression, from blessed replicates."""
     low, high = min(replicate.least for replicate in then), max(replicate.largest for replicate in then)
-    return low - RANGE_WIDER * (high - low) - RANGE_LEAST
+    return low - 0.02 * (high - low) - 0.001
 
 
 def largest_limit(then: Sequence[Replicate]) -> float:
-    """The largest value that is no regression."""
+    """The largest value that is no regression: noise makes it another one in each replicate."""
     largest = [replicate.largest for replicate in then]
-    return max(largest) * (1 + RANGE_WIDER) + RANGE_LEAST
+    return max(largest) + 3.0 * (max(largest) - min(largest)) + 0.05 * abs(max(largest)) + 0.01
 
 
 def outlier_limit(then: Sequence[Replicate]) -> float:
     """The most outlying value that is no regression."""
-    return OUTLIER_FACTOR * max(replicate.outlier for replicate in then) + OUTLIER_LEAST
-
-
-RANGE_WIDER, RANGE_LEAST = 1.0, 0.01
-OUTLIER_FACTOR, OUTLIER_LEAST = 2.0, 0.25
+    return 3.0 * max(replicate.outlier for replicate in then) + 0.25
 
 
 def _distinct(observed: Observed, blessed: Blessed | None) -> Check:
@@ -367,7 +367,7 @@ def _costs(observed: Observed, blessed: Blessed, chance: float) -> list[Check]:
     checks = []
     for name, counts in now.items():
         blessed_counts = then.get(name, [0] * len(counts))
-        if name in hanging:
+        if name in hanging and name in then:
             checks.append(_drift(observed, name, counts, blessed_counts, chance))
             continue
         apart = max(abs(one - other) for one, other in zip(counts, blessed_counts, strict=True))
@@ -384,8 +384,7 @@ def _costs(observed: Observed, blessed: Blessed, chance: float) -> list[Check]:
 
 
 def _drift(observed: Observed, name: str, now: Sequence[int], then: Sequence[int], chance: float) -> Check:
-    ratios = np.array([[one / max(1, other) - 1.0] for one, other in zip(now, then, strict=True)])
-    ratios = np.where((np.array(now) == np.array(then))[:, np.newaxis], 0.0, ratios)
+    ratios = np.array([[(one - other) / max(1, other)] for one, other in zip(now, then, strict=True)])
     tested = student_test(ratios, COUNT_MARGIN, 0.0, chance)
     return Check(
         observed.name,
