@@ -13,6 +13,7 @@ from aliascope.cli import (
     integrating,
     pictures,
     plugins,
+    regressing,
     sampling,
     teaching,
 )
@@ -28,6 +29,7 @@ __all__ = [
     "main",
     "pictures",
     "plugins",
+    "regressing",
     "sampling",
     "teaching",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import fnmatch
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aliascope import plan, renderers
-from aliascope.errors import SpecError, near_misses
+from aliascope.errors import InvalidInput, SpecError, near_misses
 from aliascope.model import Scene
 from aliascope.regression.records import CellName, Draw, Judged
 from aliascope.renderers.base import Renderer, lacks
@@ -175,6 +176,21 @@ def cells_of(
                     draws = draws_of(renderer, spec, replicates)
                     cells.append(Cell(cell, file, spec, judged_by(spec), draws))
     return cells, empty
+
+
+def matching(patterns: Sequence[str], cells: Sequence[Cell]) -> set[str]:
+    """The texts of the cells that patterns of the shell match. Raises InvalidInput for one that matches none, with the
+    near misses: not all cells, which are many."""
+    texts = [cell.name.text for cell in cells]
+    found: set[str] = set()
+    for pattern in patterns:
+        hits = set(fnmatch.filter(texts, pattern)) | ({pattern} & set(texts))
+        if not hits:
+            groups = {f"{cell.name.scene}/{cell.name.renderer}/*" for cell in cells}
+            close = difflib.get_close_matches(pattern, [*sorted(groups), *texts], n=3)
+            raise InvalidInput(f'no cell matches "{pattern}"{near_misses(pattern, close or groups)}')
+        found |= hits
+    return found
 
 
 def controls_of(cells: Sequence[Cell]) -> list[Cell]:
