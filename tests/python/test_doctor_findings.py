@@ -17,9 +17,14 @@ import numpy as np
 import pytest
 from commands import run
 
+from aliascope import renderers
 from aliascope.errors import JobFailed
 from aliascope.geometry import Array
 from aliascope.native import filters, raster, tracer
+from aliascope.records import Rendering
+from aliascope.renderers import povray_frames
+from aliascope.renderers.base import Request
+from aliascope.renderers.embree import Embree
 from aliascope.renderers.osmesa import OSMesa
 from aliascope.studies import doctor, doctor_embree, doctor_findings, doctor_osmesa, doctor_povray
 from aliascope.studies.doctor_charts import PHASES, Edges, Levels, Star
@@ -137,6 +142,15 @@ def test_what_is_spoiled_in_povray_is_found(
         assert figures["response"]["half-float EXR"].values["gamma"] == pytest.approx(1.0, abs=1e-3)
 
 
+def test_a_lens_that_the_compensation_does_not_fit_is_found(
+    monkeypatch: pytest.MonkeyPatch, side_by_side: Threads
+) -> None:
+    monkeypatch.setattr(povray_frames, "APERTURE", 3.6)
+    (finding,) = ask(side_by_side, by_name(doctor_povray.inquiries(), "lens of focal-blur"))
+    assert finding.failed
+    assert labels(finding)[doctor_povray.BLUR].values["lens"] == pytest.approx(0.9, abs=0.02)
+
+
 # --- patterns ---------------------------------------------------------------------------------------------------------
 
 
@@ -198,6 +212,8 @@ def test_other_limits_of_opengl_are_found(monkeypatch: pytest.MonkeyPatch, one_b
     assert not ask(one_by_one, inquiry)[0].failed
     monkeypatch.setattr(raster, "limits", lambda: raster.Limits(8, 8, 8))
     assert ask(one_by_one, inquiry)[0].failed
+    monkeypatch.setattr(raster, "limits", lambda: raster.Limits(4, 4, 4))
+    assert ask(one_by_one, inquiry)[0].failed
 
 
 @pytest.mark.parametrize("bits", [5, 6, 8])
@@ -221,7 +237,7 @@ def test_the_grid_of_corners_is_measured(bits: int) -> None:
 def test_a_filter_of_another_width_is_found() -> None:
     """Pictures made here: the integral of a box 1.1 pixel wide in place of a box."""
     inquiry = by_name(doctor_embree.inquiries(), "width of filters")
-    chart = Edges(cell=16)
+    chart = Edges(cell=12)
 
     def picture(name: str, width: float) -> Shown:
         at = chart.places()
@@ -231,7 +247,7 @@ def test_a_filter_of_another_width_is_found() -> None:
         for top, turned in ((0, False), (chart.size[0], True)):
             panel = np.zeros((chart.size[0], chart.size[0]))
             for cell in range(chart_cells()):
-                left = 5 + 16 * cell + 4
+                left = 5 + 12 * cell + 3
                 panel[5:69, left : left + len(by_pixel)] = by_pixel[:, cell].T
             pixels[top : top + chart.size[0]] = (panel.T if turned else panel)[..., np.newaxis]
         return Shown(pixels, 0.0, 1.0)
@@ -261,6 +277,36 @@ def test_another_kernel_is_found(monkeypatch: pytest.MonkeyPatch, one_by_one: Th
 
 
 # --- any renderer -----------------------------------------------------------------------------------------------------
+
+
+class Fourth(Embree):
+    name = "fourth"
+    probe_mode = "uniform:n=100,sampler=regular"
+
+
+class Uneven(Fourth):
+    """Its second picture is not its first."""
+
+    made = 0
+
+    def render(self, request: Request) -> Rendering:
+        self.made += 1
+        found = super().render(request)
+        return replace(found, pixels=found.pixels + np.float32(1e-6 * self.made))
+
+
+@pytest.mark.parametrize(("renderer", "failed"), [(Fourth(), False), (Uneven(), True)])
+def test_a_new_renderer_is_asked_what_every_one_is(
+    monkeypatch: pytest.MonkeyPatch, one_by_one: Threads, renderer: Fourth, failed: bool
+) -> None:
+    monkeypatch.setattr(renderers, "RENDERERS", {"fourth": renderer})
+    found = ask(one_by_one, *doctor.inquiries_of(renderer))
+    assert [each.name for each in found] == ["pixel centre", "response", "quantum of the output", "repeatability"]
+    if not failed:
+        assert not [each for each in found if each.failed]
+        return
+    assert found[-1].failed
+    assert "a second run: rms" in found[-1].figures[0].text
 
 
 def test_where_an_edge_is_found_has_its_sign(one_by_one: Threads) -> None:

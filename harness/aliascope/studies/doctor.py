@@ -113,7 +113,7 @@ def _of_renderer(entry: Mapping[str, Any]) -> Iterator[str]:
         yield f"  does not render: {entry['reason']}"
         return
     x, y = entry["centre"]
-    yield f"  pixel centres: {x:+.4f} right, {y:+.4f} down, in pixels ({entry['mode']})"
+    yield f"  pixel centres: {x:+z.4f} right, {y:+z.4f} down, in pixels ({entry['mode']})"
     yield (f"  response: gain {entry['gain']:.5f}, gamma {entry['gamma']:.5f}; linear within {entry['deviation']:.1e}")
     for finding in entry.get("findings", ()):
         yield from _of_finding(finding)

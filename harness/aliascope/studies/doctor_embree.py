@@ -40,7 +40,7 @@ def inquiries() -> list[Inquiry]:
         ("uniform:n=16", "uniform:n=16,filter=mitchell", "adaptive:n=64", "adaptive:n=64,method=mitchell"), Star()
     )
     return [
-        centres(NAME, {mode: Edges(cell=16 if "filter" in mode else 8) for mode in modes}),
+        centres(NAME, {mode: Edges(cell=12 if "filter" in mode else 8) for mode in modes}),
         *levels(NAME, "uniform:n=1,sampler=regular", FORMATS),
         _filters(),
         _kernel(),
@@ -84,7 +84,7 @@ def _kernel() -> Inquiry:
 
 def _filters() -> Inquiry:
     name = "width of filters"
-    chart = Edges(cell=16)
+    chart = Edges(cell=12)
     modes = {each: f"uniform:n={FILTER_SAMPLES},sampler=regular,filter={each}" for each in FILTERS}
 
     def judge(shown: Mapping[str, Shown]) -> Finding:
@@ -97,7 +97,7 @@ def _filters() -> Inquiry:
             figures.append(
                 Figure(
                     each,
-                    f"{found[0]:.4f} in x, {found[1]:.4f} in y; expected {expected + 0.0:.4f}",
+                    f"{found[0]:z.4f} in x, {found[1]:z.4f} in y; expected {expected:z.4f}",
                     {"x": found[0], "y": found[1], "expected": expected},
                     "pixel^2",
                 )

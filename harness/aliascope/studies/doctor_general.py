@@ -39,7 +39,7 @@ class Placed:
 
     @property
     def text(self) -> str:
-        return f"{self.right:+.4f} right, {self.down:+.4f} down"
+        return f"{self.right:+z.4f} right, {self.down:+z.4f} down"
 
     @property
     def values(self) -> dict[str, float]:
@@ -174,9 +174,9 @@ def difference(a: Shown, b: Shown) -> tuple[float, float]:
     return float(np.sqrt((off * off).mean())), float(off.max())
 
 
-def repeats(renderer: str, modes: Mapping[str, Chart], own_threads: bool = False) -> Inquiry:
+def repeats(renderer: str, modes: Mapping[str, Chart], own_threads: bool = False, note: str = "") -> Inquiry:
     """Whether pictures are the same to the bit in a second run, and with other counts of threads: of the request, or
-    llvmpipe's own."""
+    llvmpipe's own. note: what is to be said beside."""
     counts = (1, *THREADS) if own_threads else THREADS
     others: dict[str, dict[str, int]] = {"a second run": {"again": 1}}
     others |= {
@@ -204,7 +204,7 @@ def repeats(renderer: str, modes: Mapping[str, Chart], own_threads: bool = False
         return Finding(
             "repeatability",
             tuple(figures),
-            f"the same bits in a second run, and with {threads}",
+            f"the same bits in a second run, and with {threads}{note}",
             not bad,
             "A picture that is made again comes out the same, however many threads draw it."
             if not bad

@@ -42,7 +42,7 @@ def _limits() -> Inquiry:
 
     def judge(shown: Mapping[str, Shown]) -> Finding:
         found = raster.limits()
-        holds = found.max_samples == found.samples == raster.MULTISAMPLES and found.subpixel_bits == BITS
+        holds = found.samples == raster.MULTISAMPLES and found.subpixel_bits >= BITS
         return Finding(
             name,
             (
@@ -50,9 +50,9 @@ def _limits() -> Inquiry:
                 Figure("GL_SAMPLES of a buffer that was asked for 4", str(found.samples), {"samples": found.samples}),
                 Figure("GL_SUBPIXEL_BITS", str(found.subpixel_bits), {"subpixel_bits": found.subpixel_bits}),
             ),
-            f"{raster.MULTISAMPLES}, {raster.MULTISAMPLES} and {BITS}",
+            f"a buffer of {raster.MULTISAMPLES} samples, and {BITS} bits or more",
             holds,
-            "Multisampling has 4 samples; msaa:n=8 is two passes of them, and more is accumulate's."
+            "Multisampling has 4 samples a pass; msaa:n=8 is two passes, and any other count is accumulate's."
             if holds
             else "This OpenGL has other samples than the modes are made for: msaa is refused, or is another pattern.",
         )
@@ -91,7 +91,7 @@ def _samples() -> Inquiry:
                 )
                 for x, y in np.round(said[:, :2], 9)
             ]
-            text = " ".join(f"({x:.3f} {y:.3f})" for x, y in places)
+            text = " ".join(f"({x:z.3f},{y:z.3f})" for x, y in places)
             holds = holds and seen.holds and seen.distinct == len(said)
             figures.append(
                 Figure(
@@ -133,11 +133,11 @@ def _corners() -> Inquiry:
         step = float(np.median(np.diff(places))) if len(places) > 1 else math.nan
         bits = -math.log2(step) if step > 0.0 else math.nan
         text = f"1/{1.0 / step:g} pixel, {bits:g} bits" if step > 0.0 else f"coarser than 1/{1.0 / chart.span:g} pixel"
-        holds = bits == BITS
+        holds = bits >= BITS
         return Finding(
             name,
             (Figure(mode, text, {"step": step, "bits": bits}, "pixel"),),
-            f"1/{2**BITS} pixel, {BITS} bits",
+            f"1/{2**BITS} pixel, {BITS} bits, or finer",
             holds,
             "An edge of one pass lies up to 1/512 pixel off, as no other renderer's does; many passes average that out."
             if holds
