@@ -43,6 +43,7 @@ static void test_bad_scenes_are_refused(void **state) {
   REFUSED(s->scene.view.half_height = (double)NAN, "half_height");
   REFUSED(s->scene.view.eye[1] = (double)INFINITY, "eye");
   REFUSED(s->scene.view.background[2] = (double)NAN, "background");
+  REFUSED(s->scene.view.shift[0] = (double)NAN, "shift");
   REFUSED(s->scene.view.up[1] = 2.0, "orthonormal");
   REFUSED(s->scene.view.right[0] = (double)NAN, "orthonormal");
   REFUSED(s->scene.view.projection = (asc_projection)2, "projection");

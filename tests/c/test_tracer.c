@@ -287,6 +287,10 @@ static void broken_scenes_are_refused(void **state) {
   scene.view.width = 0;
   assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
   scene.view.width = 8;
+  scene.view.shift[1] = NAN;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "not finite"));
+  scene.view.shift[1] = 0;
   scene.view.lens_radius = 0.5; /* orthographic, and not focused */
   assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
   assert_non_null(strstr(error.text, "focused"));

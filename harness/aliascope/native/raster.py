@@ -107,12 +107,12 @@ class RasterCost:
 
 
 class Raster:
-    """A scene, loaded into a context of its own for one size of picture. Raises NotAvailable, InvalidInput, and
-    Unsupported where shadows need more than MOST_SHADOW_TESTS."""
+    """A scene, loaded into a context of its own for one size of picture, which is moved by `shift` pixels to the right
+    and down. Raises NotAvailable, InvalidInput, and Unsupported where shadows need more than MOST_SHADOW_TESTS."""
 
-    def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
+    def __init__(self, scene: Scene, size: tuple[int, int], shift: tuple[float, float] = (0.0, 0.0)) -> None:
         library = _library()
-        packed, keep = pack(library.ffi, scene, size)
+        packed, keep = pack(library.ffi, scene, size, shift)
         out, box = library.ffi.new("raster **"), error_box(library.ffi)
         check(library, library.lib.raster_create(packed, out, box), box)
         keep.clear()

@@ -65,11 +65,12 @@ class TracerCost:
 
 
 class Tracer:
-    """A scene, built for one size of picture. Raises NotAvailable, InvalidInput."""
+    """A scene, built for one size of picture, which is moved by `shift` pixels to the right and down. Raises
+    NotAvailable, InvalidInput."""
 
-    def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
+    def __init__(self, scene: Scene, size: tuple[int, int], shift: tuple[float, float] = (0.0, 0.0)) -> None:
         library = _library()
-        packed, keep = pack(library.ffi, scene, size)
+        packed, keep = pack(library.ffi, scene, size, shift)
         out, box = library.ffi.new("tracer **"), error_box(library.ffi)
         check(library, library.lib.tracer_create(packed, out, box), box)
         keep.clear()
