@@ -21,6 +21,9 @@ RESOLUTION = 0.5 / PHASES
 
 THREADS = (2, 4)
 
+WHITE = "white = 1"
+"""The unit of levels and their differences."""
+
 SHARES = (0.0123, 0.0521, 0.1173, 0.2619, 0.5037, 0.7871, 1.0)
 """Levels of a response, as shares of its peak."""
 
@@ -144,7 +147,7 @@ def _response(label: str, chart: Levels, shown: Shown, peak: float, quantum: flo
     limit = quantum + 2.0 * float32_step(peak)
     values = {"gain": gain, "gamma": float(gamma), "deviation": deviation, "brightest_in": peak}
     text = f"gain {gain:.5f}, gamma {gamma:.5f}, off by {deviation:.1e}; {peak:g} comes back {seen[-1]:.6g}"
-    return Figure(label, text, {**values, "brightest_out": float(seen[-1])}), within(deviation, limit)
+    return Figure(label, text, {**values, "brightest_out": float(seen[-1])}, WHITE), within(deviation, limit)
 
 
 def _quantum(label: str, chart: Levels, shown: Shown, peak: float, expected: float) -> tuple[Figure, bool]:
@@ -160,6 +163,7 @@ def _quantum(label: str, chart: Levels, shown: Shown, peak: float, expected: flo
             label,
             f"{least:.4g} at {at:.4g} ({len(ramp)} levels seen, {widest:.4g} apart at most)",
             {"least": least, "widest": widest, "expected": expected, "stated": shown.quantum, "at": at},
+            WHITE,
         ),
         within(least - expected, near) and within(widest - expected, near) and as_stated,
     )
@@ -195,7 +199,7 @@ def repeats(renderer: str, modes: Mapping[str, Chart], own_threads: bool = False
                 f"{label}: rms {rms:.2g}, largest {most:.2g}" for label, (rms, most) in off.items() if most != 0.0
             ]
             bad += [mode] if differing else []
-            figures.append(Figure(mode, "; ".join(differing) or "the same bits", off))
+            figures.append(Figure(mode, "; ".join(differing) or "the same bits", off, WHITE))
         threads = (
             f"llvmpipe in {', '.join(map(str, counts))} threads of its own"
             if own_threads

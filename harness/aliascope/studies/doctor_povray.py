@@ -12,7 +12,7 @@ import numpy as np
 from aliascope.renderers.povray_frames import PICTURE_SHIFT
 from aliascope.studies.doctor_charts import BEHIND, Chart, Edges, Shadow, Star
 from aliascope.studies.doctor_findings import Figure, Finding, Inquiry, Shot, Shown, within
-from aliascope.studies.doctor_general import CENTRE_LIMIT, centres, difference, levels, placed, repeats
+from aliascope.studies.doctor_general import CENTRE_LIMIT, WHITE, centres, difference, levels, placed, repeats
 from aliascope.studies.doctor_patterns import grid_pattern, trapezoid_pattern, weighted
 
 NAME = "povray"
@@ -109,7 +109,7 @@ def _tile_figures(modes: tuple[str, ...], shown: Mapping[str, Shown]) -> tuple[l
     for mode in modes:
         rms, most = difference(*(shown[f"{mode} {tile}"] for tile in TILES))
         text = f"rms {rms:.4f}, largest {most:.4f}" if most > 0.0 else "the same bits"
-        figures.append(Figure(mode, text, {"rms": rms, "largest": most}))
+        figures.append(Figure(mode, text, {"rms": rms, "largest": most}, WHITE))
         largest.append(most)
     return figures, largest
 
