@@ -307,6 +307,7 @@ def test_a_new_renderer_is_asked_what_every_one_is(
         return
     assert found[-1].failed
     assert "a second run: rms" in found[-1].figures[0].text
+    assert 0.0 < found[-1].figures[0].values["a second run, largest"] < 1e-5
 
 
 def test_where_an_edge_is_found_has_its_sign(one_by_one: Threads) -> None:

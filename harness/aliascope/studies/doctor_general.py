@@ -199,7 +199,9 @@ def repeats(renderer: str, modes: Mapping[str, Chart], own_threads: bool = False
                 f"{label}: rms {rms:.2g}, largest {most:.2g}" for label, (rms, most) in off.items() if most != 0.0
             ]
             bad += [mode] if differing else []
-            figures.append(Figure(mode, "; ".join(differing) or "the same bits", off, WHITE))
+            values = {f"{label}, rms": rms for label, (rms, _) in off.items()}
+            values |= {f"{label}, largest": most for label, (_, most) in off.items()}
+            figures.append(Figure(mode, "; ".join(differing) or "the same bits", values, WHITE))
         threads = (
             f"llvmpipe in {', '.join(map(str, counts))} threads of its own"
             if own_threads

@@ -7,12 +7,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from aliascope.geometry import Array
 from aliascope.native import raster
 from aliascope.renderers.osmesa import CENTRE, EIGHT
 from aliascope.studies.doctor_charts import Edges, Staircase, Star
 from aliascope.studies.doctor_findings import Figure, Finding, Inquiry, Shot, Shown
-from aliascope.studies.doctor_general import centres, float32_step, levels, repeats
-from aliascope.studies.doctor_patterns import Pattern, measured
+from aliascope.studies.doctor_general import RESOLUTION, centres, float32_step, levels, repeats
+from aliascope.studies.doctor_patterns import PLACE_LIMIT, Measured, Pattern, measured
 
 NAME = "osmesa"
 
@@ -63,57 +64,21 @@ def _limits() -> Inquiry:
 def _samples() -> Inquiry:
     """Where an edge finds the samples of multisampling, and where OpenGL says they are."""
     name = "samples of msaa"
-    modes = {"msaa:n=4": (CENTRE,), "msaa:n=8": EIGHT}
-
-    def patterns() -> dict[str, Pattern]:
-        at = raster.sample_positions()
-        made = {}
-        for mode, moves in modes.items():
-            moved = np.concatenate([at + np.array(move) - 0.5 for move in moves])
-            made[mode] = Pattern(np.column_stack([moved, np.full(len(moved), 1.0 / len(moved))]))
-        return made
-
-    found = patterns()
-    shots = {f"{mode}, edges": Shot(NAME, mode, Edges()) for mode in modes}
-    shots |= {f"{mode}, corners": Shot(NAME, mode, pattern.chart) for mode, pattern in found.items()}
+    at = raster.sample_positions()
+    patterns = {"msaa:n=4": _moved(at, (CENTRE,)), "msaa:n=8": _moved(at, EIGHT)}
+    shots = {f"{mode}, edges": Shot(NAME, mode, Edges()) for mode in patterns}
+    shots |= {f"{mode}, corners": Shot(NAME, mode, pattern.chart) for mode, pattern in patterns.items()}
 
     def judge(shown: Mapping[str, Shown]) -> Finding:
         figures, holds = [], True
-        for mode, pattern in found.items():
-            seen = measured(pattern, shown[f"{mode}, edges"], shown[f"{mode}, corners"])
-            # Each sample by itself: in which row and column of the corners' differences a weight is found.
-            across, down = pattern.columns(0)[0], pattern.columns(1)[0]
-            said = pattern.samples[np.lexsort(pattern.samples[:, :2].T[::-1])]
-            places = [
-                (
-                    float(seen.columns.places[np.searchsorted(across, x)]),
-                    float(seen.rows.places[np.searchsorted(down, y)]),
-                )
-                for x, y in np.round(said[:, :2], 9)
-            ]
-            text = " ".join(f"({x:z.3f},{y:z.3f})" for x, y in places)
-            holds = holds and seen.holds and seen.distinct == len(said)
-            figures.append(
-                Figure(
-                    mode,
-                    f"{text}\n{seen.distinct} distinct samples of weight 1/{len(said)}, "
-                    f"within {seen.places_off:.4f} pixel of where OpenGL says",
-                    {
-                        "x": [x for x, _ in places],
-                        "y": [y for _, y in places],
-                        "said_x": said[:, 0].tolist(),
-                        "said_y": said[:, 1].tolist(),
-                        "distinct_samples": seen.distinct,
-                        "weights_off": seen.weights_off,
-                        "places_off": seen.places_off,
-                    },
-                    "pixel",
-                )
-            )
+        for mode, pattern in patterns.items():
+            found = measured(pattern, shown[f"{mode}, edges"], shown[f"{mode}, corners"])
+            holds = holds and found.holds and found.distinct == len(pattern.samples)
+            figures.append(_sample_figure(mode, pattern, found))
         return Finding(
             name,
             tuple(figures),
-            "where OpenGL says, one in each row and column, all of one weight",
+            f"where OpenGL says within {PLACE_LIMIT:.3f} pixel (phases resolve {RESOLUTION:.3f}), all of one weight",
             holds,
             "msaa is the rotated grid that it is named for, so its errors are that pattern's."
             if holds
@@ -121,6 +86,37 @@ def _samples() -> Inquiry:
         )
 
     return Inquiry(name, shots, judge)
+
+
+def _moved(at: Array, moves: tuple[tuple[float, float], ...]) -> Pattern:
+    """The samples of a pass (n, 2), in passes moved so; see native.raster.Passes."""
+    moved = np.concatenate([at + np.array(move) - 0.5 for move in moves])
+    return Pattern(np.column_stack([moved, np.full(len(moved), 1.0 / len(moved))]))
+
+
+def _sample_figure(mode: str, pattern: Pattern, found: Measured) -> Figure:
+    """Each sample at the column and the row in which corners find it."""
+    said = pattern.samples[np.argsort(pattern.samples[:, 0])]
+    x, y = (
+        columns.places[np.searchsorted(pattern.columns(axis)[0], np.round(said[:, axis], 9))]
+        for axis, columns in enumerate((found.columns, found.rows))
+    )
+    places = " ".join(f"({right:z.3f},{down:z.3f})" for right, down in zip(x, y, strict=True))
+    return Figure(
+        mode,
+        f"{places}\n{found.distinct} distinct samples of weight 1/{len(said)}, "
+        f"within {found.places_off:.4f} pixel of where OpenGL says",
+        {
+            "x": x.tolist(),
+            "y": y.tolist(),
+            "said_x": said[:, 0].tolist(),
+            "said_y": said[:, 1].tolist(),
+            "distinct_samples": found.distinct,
+            "weights_off": found.weights_off,
+            "places_off": found.places_off,
+        },
+        "pixel",
+    )
 
 
 def _corners() -> Inquiry:
