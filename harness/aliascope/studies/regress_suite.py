@@ -67,9 +67,9 @@ SUITE: Mapping[str, Mapping[str, tuple[str, ...]]] = {
         "bounces": ("none",),
     },
 }
-"""By renderer and kind of scene (`_kind`): one mode that goes to the integral, with few samples and with more;
-one of each other kind. Where a renderer draws nothing of a kind, one mode stands for the reason. All of it takes 300 s of CPU time, a third of that POV-Ray's, and has to end in 4 minutes on two
-cores."""
+"""By renderer and kind of scene (`kind_of`): one mode that goes to the integral, with few samples and with more; one of
+each other kind. Where a renderer draws nothing of a kind, one mode stands for the reason. All of it takes 300 s of CPU
+time, a third of that POV-Ray's, and has to end in 4 minutes on two cores."""
 
 UNBIASED: Mapping[str, frozenset[str]] = {
     "random": frozenset({""}),
