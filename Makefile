@@ -70,6 +70,10 @@ agree: all
 .PHONY: power
 power: all $(DEFECTIVE) $(EMBREE_ISA)
 	@$(VENV)/bin/aliascope power --plugin $(DEFECTIVE) --shim $(EMBREE_ISA) -j $(CORES) -o $(RESULTS)/power
+## regress    test that pictures are as good as they were blessed; results in .results/regress
+.PHONY: regress
+regress: all
+	@$(VENV)/bin/aliascope regress -o $(RESULTS)/regress
 
 ## test       every test: C (also under sanitizers), Python, browser
 .PHONY: test

@@ -14,6 +14,7 @@ from aliascope.cli import (
     pictures,
     plugins,
     powering,
+    regressing,
     sampling,
     teaching,
 )
@@ -30,6 +31,7 @@ __all__ = [
     "pictures",
     "plugins",
     "powering",
+    "regressing",
     "sampling",
     "teaching",
 ]

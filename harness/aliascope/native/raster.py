@@ -21,9 +21,19 @@ MOST_SHADOW_TESTS = 1024
 """RASTER_MOST_SHADOW_TESTS of raster.h: surfaces x lights of a scene with lights."""
 
 
+_own_threads = 0
+"""Of llvmpipe: 0 draws in the calling thread, whose time is what is measured."""
+
+
+def use_own_threads(count: int) -> None:
+    """Has llvmpipe draw in so many threads of its own. Only before anything else of this module in the process: Mesa
+    looks once, when the first context is made."""
+    global _own_threads
+    _own_threads = count
+
+
 def _library() -> Any:
-    # Mesa reads it once, when the first context is made: 0 draws in the calling thread, whose time is what is measured.
-    os.environ["LP_NUM_THREADS"] = "0"
+    os.environ["LP_NUM_THREADS"] = str(_own_threads)
     return module("_raster", "OSMesa (Debian: libosmesa6)")
 
 
@@ -48,6 +58,23 @@ def sample_positions() -> NDArray[np.float64]:
     box = error_box(library.ffi)
     check(library, library.lib.raster_sample_positions(library.ffi.from_buffer("double[]", positions), box), box)
     return positions
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What OpenGL says: GL_MAX_SAMPLES, the samples of a multisample buffer that was asked for 4, GL_SUBPIXEL_BITS."""
+
+    max_samples: int
+    samples: int
+    subpixel_bits: int
+
+
+def limits() -> Limits:
+    """Of a context. Raises NotAvailable."""
+    library = _library()
+    found, box = library.ffi.new("raster_limits *"), error_box(library.ffi)
+    check(library, library.lib.raster_ask_limits(found, box), box)
+    return Limits(int(found.max_samples), int(found.samples), int(found.subpixel_bits))
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,8 @@ _DIGITS = 9
 _SQUARES_DIGITS = 5
 """Of a block's mean square: their sum is right to 1e-5, and an accuracy is held to 2 in 100."""
 _SECONDS_DIGITS = 4
+_TOLD_DIGITS = 6
+"""Of the means that people compare: fewer than a file keeps, so that its rounding is no change."""
 _BLOCK_STEP = 1e-7
 """The step of a block's mean, which stands as a whole number: a 4,000th of what is granted to a block, 1/2550."""
 
@@ -139,7 +141,11 @@ def figures(observed: Observed) -> dict[str, float]:
     for kind in dict.fromkeys(kind for replicate in replicates for kind in replicate.rays):
         made[f"{kind} rays"] = fmean(replicate.rays.get(kind, 0) for replicate in replicates)
     made["cpu seconds"] = median(replicate.cpu_seconds for replicate in replicates)
-    return {name: _rounded(value) for name, value in made.items() if value is not None and math.isfinite(value)}
+    return {
+        name: _rounded(value, _TOLD_DIGITS)
+        for name, value in made.items()
+        if value is not None and math.isfinite(value)
+    }
 
 
 def _mode(blessed: Blessed) -> str:

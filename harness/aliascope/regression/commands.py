@@ -34,6 +34,13 @@ def bless(name: CellName, scene: str = "", setting: Setting | None = None, patte
     return shlex.join([*words, "--bless", pattern or name.text, "--reason", REASON])
 
 
+def reference(scene: str, filter_: str, setting: Setting | None = None) -> str:
+    """Makes the reference that cells are compared with. `scene` as the command line calls it."""
+    folder = (setting or Setting()).references
+    words = ["aliascope", "reference", scene, *([] if filter_ == "box" else ["--filter", filter_])]
+    return shlex.join([*words, *([] if folder == places.REFERENCES else ["-o", str(folder)])])
+
+
 def _words(name: CellName, scene: str, setting: Setting) -> Sequence[str]:
     return [*_of_scene(name, scene, setting), "-r", name.renderer, "-m", name.mode]
 

@@ -148,9 +148,11 @@ class Check:
 
     @property
     def headroom(self) -> float | None:
-        """1 - observed / limit; of a lower limit, 1 - limit / observed; None where there is none to state."""
-        above, below = (self.limit, self.observed) if self.at_least else (self.observed, self.limit)
-        return 1.0 - abs(above / below) if below else None
+        """1 - observed / limit; of a lower limit above 0, 1 - limit / observed; None where there is none to state."""
+        if self.at_least and self.limit > 0.0:
+            return 1.0 - self.limit / self.observed if self.observed > 0.0 else None
+        upright = self.limit < 0.0 if self.at_least else self.limit > 0.0
+        return 1.0 - self.observed / self.limit if upright else None
 
 
 @dataclass(frozen=True)

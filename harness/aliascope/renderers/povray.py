@@ -68,7 +68,8 @@ class _Output:
 
 @dataclass(frozen=True)
 class _Job:
-    """One program run, but for its frames: the size is that of the canvas. processes: runs at most that share them."""
+    """One program run, but for its frames: the size is that of the canvas. processes: runs at most that share them;
+    tile: see PovRay."""
 
     path: str
     folder: Path
@@ -77,10 +78,14 @@ class _Job:
     options: tuple[str, ...]
     output: _Output
     processes: int
+    tile: int
 
 
 class PovRay:
-    """The renderer; see `aliascope.renderers.base.Renderer` for what its members promise."""
+    """The renderer; see `aliascope.renderers.base.Renderer` for what its members promise.
+
+    tile: the side of the squares that it renders one after the other, in pixels, on which what +AM1 draws depends.
+    """
 
     name = "povray"
     title = "POV-Ray"
@@ -102,6 +107,9 @@ class PovRay:
         "gloss": "POV-Ray 3.7 mirrors sharply; what blurs its mirrors is a bumpy surface, whose lobe has no formula",
         "diffuse bounces": "POV-Ray's radiosity interpolates between places, an error that more samples leave",
     }
+
+    def __init__(self, tile: int = 32) -> None:
+        self.tile = tile
 
     def versions(self) -> Mapping[str, str]:
         """The version that the povray on the PATH states."""
@@ -148,7 +156,8 @@ class PovRay:
                 f"+WT{1 if frames.grid.jitter else request.threads}",
             )
             width, height = (side * (n + abs(more)) for n, more in zip(size, frames.further, strict=True))
-            job = _Job(path, folder, width, height, options, output, processes(request.scene, count))
+            runs = processes(request.scene, count)
+            job = _Job(path, folder, width, height, options, output, runs, self.tile)
             _write(folder, request, output.exposure, frames)
             statistics = _run(job, count, request.time_limit)
             drawn = _cut_out(_weighted_mean(job, frames.weights), frames)
@@ -230,7 +239,7 @@ def _run(job: _Job, frames: int, time_limit: float) -> list[Statistics]:
         job.output.option,
         f"+W{job.width}",
         f"+H{job.height}",
-        "+BS32",  # the default, stated: what +AM1 draws depends on it
+        f"+BS{job.tile}",
         "-D",
         "-V",
         "File_Gamma=1.0",

@@ -96,7 +96,7 @@ def _line(check: Check) -> _Line:
         observed=f"{_figure(check.observed)}{unit}",
         limit=f"{'at least' if check.at_least else 'at most'} {_figure(check.limit)}{unit}",
         headroom=_percent(check.headroom),
-        p_value=check.p_value,
+        p_value=None if check.p_value is None or math.isnan(check.p_value) else check.p_value,
         detail=check.detail,
         bad=not check.passed and not check.warning,
         warning=not check.passed and check.warning,

@@ -94,9 +94,9 @@ def observe(asked: Asked, tell: Tell) -> Seen:
     selection.check_names(files)
     cells, empty = regress_suite.cells_of(files, names, asked.modes, asked.replicates)
     if asked.cells:
-        wanted = set(plan.matching(asked.cells, [cell.name.text for cell in cells], "cell"))
+        wanted = regress_suite.matching(asked.cells, cells)
         cells, empty = [cell for cell in cells if cell.name.text in wanted], []
-    targets = _targets(cells, asked.references)
+    targets = _targets(cells, asked, called)
     work = [Work(cell, "", target) for cell in cells if isinstance(target := targets[cell.name], Target)]
     if asked.controls:
         work += [
@@ -149,18 +149,20 @@ def _renderers(asked: Asked) -> tuple[list[str], dict[str, str], dict[str, Mappi
     return [name for name in names if name in chosen], skipped, versions
 
 
-def _targets(cells: Sequence[Cell], folder: Path) -> dict[CellName, Target | Problem]:
+def _targets(cells: Sequence[Cell], asked: Asked, called: Mapping[str, str]) -> dict[CellName, Target | Problem]:
     """What the pictures of each cell should be; each reference is loaded once."""
     loaded: dict[tuple[str, str], Target | Problem] = {}
     for cell in cells:
-        key = cell.name.scene, filter_of(cell.spec)
+        key = name, filter_ = cell.name.scene, filter_of(cell.spec)
         if key not in loaded:
             scene = cell.file.scene
             try:
-                reference = reference_files.load(folder, cell.name.scene, scene, scene.view.size, key[1])
+                reference = reference_files.load(asked.references, name, scene, scene.view.size, filter_)
                 loaded[key] = Target(reference.exact, reference.standard_error)
-            except CheckFailed as error:
-                loaded[key] = Problem(str(error))
+            except CheckFailed as error:  # its command is one for our scenes, in the folder that is ours
+                told = str(error).rpartition(" with: ")[0]
+                command = commands.reference(called[name], filter_, Setting(asked.references))
+                loaded[key] = Problem(f"{told} with: {command}")
     return {cell.name: loaded[cell.name.scene, filter_of(cell.spec)] for cell in cells}
 
 
