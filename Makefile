@@ -66,14 +66,15 @@ mitchell: all
 agree: all
 	@$(VENV)/bin/aliascope agree -o $(RESULTS)/agree
 
-## power      false alarms of regress, and the defects that it catches: measured; half an hour the first time
-.PHONY: power
-power: all $(DEFECTIVE) $(EMBREE_ISA)
-	@$(VENV)/bin/aliascope power --plugin $(DEFECTIVE) --shim $(EMBREE_ISA) -j $(CORES) -o $(RESULTS)/power
 ## regress    test that pictures are as good as they were blessed; results in .results/regress
 .PHONY: regress
 regress: all
 	@$(VENV)/bin/aliascope regress -o $(RESULTS)/regress
+
+## power      false alarms of regress, and the defects that it catches: measured; half an hour the first time
+.PHONY: power
+power: all $(DEFECTIVE) $(EMBREE_ISA)
+	@$(VENV)/bin/aliascope power --plugin $(DEFECTIVE) --shim $(EMBREE_ISA) -j $(CORES) -o $(RESULTS)/power
 
 ## test       every test: C (also under sanitizers), Python, browser
 .PHONY: test

@@ -22,6 +22,7 @@ OFFSET = 1.0 / 255.0
 SHIFT = 1.0 / 32.0
 """Of a pixel."""
 WIDER = 0.1
+"""Of a pixel, and of a lens or a light where renderers are compared."""
 GAMMA = 2.2
 FIREFLY = 10.0
 """Times the largest value of the picture."""
