@@ -26,7 +26,7 @@ from aliascope.errors import JobFailed
 from aliascope.records import Pixels, Rendering
 from aliascope.regression import defects
 from aliascope.renderers.base import Request
-from aliascope.studies import regress, regress_page
+from aliascope.studies import regress_page, regress_render
 
 SEEDED = "uniform:n=64,sampler=sobol,sampler.scramble=owen"
 """Judged by the reference."""
@@ -74,7 +74,7 @@ def blessed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     tiny(folder)
     run("reference", "./tiny.toml", "-o", "refs", cwd=folder)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(regress, "Workers", Inline)
+        patch.setattr(regress_render, "Workers", Inline)
         said = run(*WORDS, "--bless", "*", "--reason", "first figures", cwd=folder).stdout
     assert "blessed 2 cells" in said
     return folder
@@ -85,7 +85,7 @@ WORDS = ("regress", "./tiny.toml", "--references", "refs", *EMBREE)
 
 @pytest.fixture
 def folder(blessed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(regress, "Workers", Inline)
+    monkeypatch.setattr(regress_render, "Workers", Inline)
     monkeypatch.setattr(regress_page, "write", lambda folder, *of: folder / "report.html")  # its plots take a second
     shutil.copytree(blessed, tmp_path, dirs_exist_ok=True)
     return tmp_path
