@@ -349,6 +349,22 @@ def test_a_folder_that_cannot_be_written_is_said_before_anything_is_rendered(
     assert "choose another folder with -o" in complaint(*WORDS, "-o", "tiny.toml", code=4, cwd=folder)
 
 
+def test_an_interrupted_run_is_no_failed_one(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(pixels: Pixels, request: Request) -> Pixels:
+        raise KeyboardInterrupt
+
+    make_wrong(monkeypatch, stop)
+    assert "interrupted" in complaint(*WORDS, code=130, cwd=folder)
+
+
+def test_what_a_run_was_given_stands_in_the_commands_that_it_tells(folder: Path) -> None:
+    said = regressed(folder, "-m", "uniform:n=4,sampler=random", "--time-limit", "90", code=1)
+    for word in ("again", "bless"):
+        words = told(cell_of(said, "uniform:n=4,sampler=random"), word)
+        assert words[:6] == ["regress", "./tiny.toml", "--references", "refs", "--time-limit", "90"]
+        assert words[words.index("-m") + 1] == "uniform:n=4,sampler=random"
+
+
 def test_make_knows_the_target() -> None:
     said = subprocess.run(
         ["make", "-n", "help"], cwd=places.REFERENCES.parent, capture_output=True, text=True, check=True
