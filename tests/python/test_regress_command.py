@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 from commands import complaint, environment, run
 
-from aliascope import places, renderers
+from aliascope import history, places, renderers
 from aliascope.errors import JobFailed
 from aliascope.records import Pixels, Rendering
 from aliascope.regression import defects
@@ -147,6 +147,15 @@ def test_what_did_not_change_passes(folder: Path, monkeypatch: pytest.MonkeyPatc
     assert not json.loads((folder / "out" / "results.json").read_text())["skipped"]
     assert len(ElementTree.parse(folder / "j.xml").getroot().findall("testsuite/testcase")) == 5
     assert (folder / "m.md").read_text() == (folder / "out" / "summary.md").read_text()
+
+
+def test_each_run_is_added_to_the_history_of_its_folder(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    regressed(folder, "-o", "out")
+    make_wrong(monkeypatch, brighter)
+    regressed(folder, "-o", "out", code=1)
+    runs = history.load(folder / "out" / "history.sqlite")
+    assert [run.passed for run in runs] == [True, False]
+    assert [cell.name.mode for cell in runs[1].cells] == list(SHOWN)
 
 
 def test_quiet_says_controls_and_the_summary(folder: Path) -> None:
