@@ -247,7 +247,9 @@ def test_figures_that_were_edited_are_refused_until_they_are_blessed(folder: Pat
     said = regressed(folder, code=1)
     for mode in SHOWN:  # of both cells of the file
         assert "were changed since they were blessed" in "".join(cell_of(said, mode))
-    (command, *_) = [line.strip() for line in said.splitlines() if line.strip().startswith("aliascope regress")]
+    assert "version control, or bless them anew, as below" in " ".join(" ".join(cell_of(said, SHOWN[0])).split())
+    (command,) = [line.strip() for line in said.splitlines() if line.strip().startswith("aliascope regress")]
+    assert shlex.split(command)[1:] == told(cell_of(said, SHOWN[0]), "bless")  # the other cell's points there
     fixed = run(*shlex.split(command)[1:], cwd=folder).stdout
     assert "what was there cannot be compared" in fixed
     assert "old hash none" in fixed
