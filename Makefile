@@ -64,6 +64,11 @@ mitchell: all
 agree: all
 	@$(VENV)/bin/aliascope agree -o $(RESULTS)/agree
 
+## regress    test that pictures are as good as they were blessed; results in .results/regress
+.PHONY: regress
+regress: all
+	@$(VENV)/bin/aliascope regress -o $(RESULTS)/regress
+
 ## test       every test: C (also under sanitizers), Python, browser
 .PHONY: test
 test: all

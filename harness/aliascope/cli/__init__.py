@@ -14,6 +14,7 @@ from aliascope.cli import (
     integrating,
     pictures,
     plugins,
+    regressing,
     sampling,
     teaching,
 )
@@ -30,6 +31,7 @@ __all__ = [
     "main",
     "pictures",
     "plugins",
+    "regressing",
     "sampling",
     "teaching",
 ]

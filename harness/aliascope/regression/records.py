@@ -79,6 +79,7 @@ class WorstPixel:
 class Observed:
     """All replicates of a cell. `names` of the templates, in the order of `coefficients`; `known`: the standard errors
     of the coefficients, and `known_blocks` of the blocks, that come of the reference's own noise, 0 where it is exact.
+    `floor_blocks`: the least standard errors of the means of blocks, those of one sample more or less in each picture.
     `scatter`: the variance of a value between replicates, its mean over the picture.
 
     `first`, `mean`, `p_values`, `worst` are for people: the first picture, the mean of all (of unshifted ones), and
@@ -98,6 +99,7 @@ class Observed:
     versions: Mapping[str, str]
     metrics: Mapping[str, Estimate] = field(default_factory=dict)
     quantum: float = 0.0
+    floor_blocks: tuple[float, ...] = ()
     first: Pixels | None = None
     mean: Array | None = None
     p_values: Array | None = None
@@ -146,9 +148,11 @@ class Check:
 
     @property
     def headroom(self) -> float | None:
-        """1 - observed / limit; of a lower limit, 1 - limit / observed; None where there is none to state."""
-        above, below = (self.limit, self.observed) if self.at_least else (self.observed, self.limit)
-        return 1.0 - abs(above / below) if below else None
+        """1 - observed / limit; of a lower limit above 0, 1 - limit / observed; None where there is none to state."""
+        if self.at_least and self.limit > 0.0:
+            return 1.0 - self.limit / self.observed if self.observed > 0.0 else None
+        upright = self.limit < 0.0 if self.at_least else self.limit > 0.0
+        return 1.0 - self.observed / self.limit if upright else None
 
 
 @dataclass(frozen=True)
