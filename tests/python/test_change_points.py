@@ -78,7 +78,7 @@ def test_p_values_of_splits_are_those_of_all_permutations() -> None:
     orders = [Ranks(np.array(order)) for order in itertools.permutations(values.tolist())]
     all_least = [min(Tails.of(o.kind)(o.sums[k : k + 1], k)[0] for k in range(1, 7)) for o in orders]
     exact = float(np.mean(np.array(all_least) <= least * (1.0 + 1e-12)))
-    at, p = own.split(1.0)
+    at, p = own.split(least)  # below the bound: by permutations
     assert p == pytest.approx(exact, abs=4.0 * math.sqrt(exact * (1.0 - exact) / 20000))  # of 20,000 permutations
     assert at in (3, 5)
 

@@ -28,7 +28,8 @@ from aliascope.regression.records import CellName, Observed, Run
 from aliascope.store import Store
 from aliascope.studies import history as study
 from aliascope.studies import history_text
-from aliascope.studies.history import Answer, Asked, Step
+from aliascope.studies.history import Answer, Step
+from aliascope.studies.history_series import Asked, in_order
 
 DISCS = CellName("discs", "povray", "am1:depth=3")
 
@@ -333,7 +334,7 @@ def test_a_history_without_changes_shows_none(tmp_path: Path) -> None:
 def test_runs_are_in_the_order_of_time_and_revision(tmp_path: Path) -> None:
     """A revision that is run again stands beside its first run; a tree with changes is another each time."""
     days = [(4, "bbb"), (2, "bbb"), (0, "aaa"), (5, "aaa"), (1, "aaa+"), (6, "aaa+"), (3, "unknown"), (7, "unknown")]
-    runs = study.in_order(kept(tmp_path, [run(day, {}, revision=name) for day, name in days]))
+    runs = in_order(kept(tmp_path, [run(day, {}, revision=name) for day, name in days]))
     found = [(run.revision, int(run.started[8:10]) - 1) for run in runs]
     assert found == [
         *(("aaa", 0), ("aaa", 5), ("aaa+", 1), ("bbb", 2), ("bbb", 4)),

@@ -36,8 +36,9 @@ def history(
     from aliascope.studies import history as study
     from aliascope.studies import history_text
     from aliascope.studies.history_page import write
+    from aliascope.studies.history_series import Asked
 
-    asked = study.Asked(tuple(scenes or ()), tuple(renderer or ()), tuple(mode or ()), tuple(metric or ()))
+    asked = Asked(tuple(scenes or ()), tuple(renderer or ()), tuple(mode or ()), tuple(metric or ()))
     answer = study.answer(kept.load(source or out / "history.sqlite"), asked)
     page = write(out, answer)
     if as_json:

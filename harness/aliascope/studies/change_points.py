@@ -7,9 +7,10 @@ widened where the figures scatter by more than their standard errors have it (Bi
 
 The most telling split into before and after has half of the level, the most telling stretch that goes away and comes
 back the other half (Olshen, Venkatraman, Lucito, Wigler 2004: a search for splits alone does not see a regression that
-was mended). Its p-value is that of the most telling of all places: the share of permutations of the ranks that have
-one as telling, or the bound of Bonferroni, the smaller. What was found divides the series, and each part is searched
-again at its share of the level by length, so that all parts without a change together raise an alarm at most as often.
+was mended). Its p-value is that of the most telling of all places: the bound of Bonferroni, or, where that is above
+the level, the share of permutations of the ranks that have one as telling. What was found divides the series, and each
+part is searched again at its share of the level by length, so that all parts without a change together raise an alarm
+at most as often.
 
 Where a change is: all places at which twice the logarithm of the likelihood is within 2 log 40 of the largest, a set of
 about 95 % (Siegmund 1988); that of Laplace's distribution goes with ranks.
@@ -37,6 +38,9 @@ EXACT_UP_TO = 50
 """Figures up to which the distribution of rank sums is exact; the normal one, which has wider tails, beyond."""
 _DRAWS = 20000
 """Permutations for splits; for stretches as many as take about as long as 40 figures do."""
+_FEW = 16
+_HARDLY_TIED = 0.98
+"""The variance of ranks, over that without ties, from which on more than _FEW are taken for untied."""
 _SHOWS = 0.01
 """The p-value at most of a change between its neighbours, or the level where that is more."""
 _WIDTH = 2.0 * math.log(40.0)
@@ -153,7 +157,12 @@ class Ranks:
         self.ranks = np.rint(2.0 * rankdata(values)).astype(np.int64)
         self.n = len(values)
         self.sums = np.concatenate([[0], np.cumsum(self.ranks)])
-        self.kind = tuple(np.sort(self.ranks).tolist())
+        untied = 2 * np.arange(1, self.n + 1)
+        if self.n > _FEW and self.ranks.var() > _HARDLY_TIED * untied.var():
+            # The distribution without ties has tails that are a little wider, and is made once for all series.
+            self.kind = tuple(untied.tolist())
+        else:
+            self.kind = tuple(np.sort(self.ranks).tolist())
 
     def pettitt(self) -> Indices:
         """U_k = 2 (sum of the first k ranks) - k (n + 1), k = 1 ... n - 1 (Pettitt 1979)."""
@@ -170,7 +179,7 @@ class Ranks:
         if chances[at] > level:
             return at + 1, 1.0
         bound = sum(Tails.of(self.kind).most(float(chances[at]), m) for m in range(1, self.n))
-        return at + 1, _p_value(float(chances[at]), _null_splits(self.kind), bound)
+        return at + 1, _p_value(float(chances[at]), _null_splits, self.kind, bound, level)
 
     def stretch(self, level: float) -> tuple[int, int, float]:
         best = (math.inf, 0, self.n)
@@ -182,7 +191,7 @@ class Ranks:
             return 0, self.n, 1.0
         tails = Tails.of(self.kind)
         bound = sum((self.n - 1 - m) * tails.most(best[0], m) for m in range(1, self.n - 1))
-        return best[1], best[2], _p_value(best[0], _null_stretches(self.kind), bound)
+        return best[1], best[2], _p_value(best[0], _null_stretches, self.kind, bound, level)
 
     def likelihood(self) -> Array:
         """Of Laplace's distribution, whose levels are medians: an outlier moves no change by much."""
@@ -197,10 +206,16 @@ def _deviations(values: Array) -> float:
     return float(np.abs(values - np.median(values)).sum())
 
 
-def _p_value(chance: float, null: Array, bound: float) -> float:
-    """Of the least of many chances: by permutations, or the sum of the places' own chances to be as small."""
-    as_telling = int(np.searchsorted(null, chance * (1.0 + _ROUNDING), side="right"))
-    return min(1.0, (as_telling + 1) / (len(null) + 1), bound)
+def _p_value(
+    chance: float, null: Callable[[tuple[int, ...]], Array], kind: tuple[int, ...], bound: float, level: float
+) -> float:
+    """Of the least of many chances: the sum of the places' own chances to be as small, or, where that says too little,
+    by permutations."""
+    if bound <= level:
+        return bound
+    least = null(kind)
+    as_telling = int(np.searchsorted(least, chance * (1.0 + _ROUNDING), side="right"))
+    return min(1.0, (as_telling + 1) / (len(least) + 1), bound)
 
 
 class Tails:
@@ -210,6 +225,7 @@ class Tails:
         ranks = np.array(kind, dtype=np.int64)
         self.n = len(ranks)
         self.variance = float(ranks.astype(np.float64).var())
+        self.untied = len(set(kind)) == self.n
         self.exact: list[Array] | None = None
         if self.n <= EXACT_UP_TO:
             ways = _ways(ranks)
@@ -237,9 +253,11 @@ class Tails:
         return float(reached[count - 1]) if count else 0.0
 
     def __call__(self, sums: Indices, m: int) -> Array:
-        if self.exact is not None:
-            return np.asarray(self.exact[m][sums])
         mean = m * (self.n + 1)
+        if self.exact is not None:
+            if self.untied:  # odd sums are those of ties, half way between two that can be: the less telling one
+                sums = sums + (sums % 2) * np.sign(mean - sums)
+            return np.asarray(self.exact[m][sums])
         variance = self.variance * m * (self.n - m) / (self.n - 1)
         if variance == 0.0:
             return np.ones(sums.shape)

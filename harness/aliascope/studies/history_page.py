@@ -14,10 +14,10 @@ from matplotlib.lines import Line2D
 from aliascope.history import KeptRun
 from aliascope.regression.records import CellName
 from aliascope.report.document import number
-from aliascope.report.files import write_text
 from aliascope.report.history import Entry, HistoryPage, Place, history_page
 from aliascope.report.plots import colours, svg_of
-from aliascope.studies.history import ALL_SCENES, SIGNIFICANCE, TIME, Answer, Series, Step, machine_of
+from aliascope.studies.history import SIGNIFICANCE, Answer, Step
+from aliascope.studies.history_series import ALL_SCENES, TIME, Series, machine_of
 from aliascope.studies.history_text import (
     between,
     change,
@@ -29,6 +29,7 @@ from aliascope.studies.history_text import (
     tested,
     values_csv,
 )
+from aliascope.text_files import write_text
 
 FOLDER = "history"
 DIGITS = 9

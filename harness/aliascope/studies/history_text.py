@@ -10,7 +10,8 @@ from typing import Any
 
 from aliascope.history import KeptRun
 from aliascope.report.document import number
-from aliascope.studies.history import ALL_SCENES, SIGNIFICANCE, TIME, Answer, Series, Step, machine_of, named
+from aliascope.studies.history import SIGNIFICANCE, Answer, Step
+from aliascope.studies.history_series import ALL_SCENES, TIME, Series, machine_of, named
 
 SHOWN = 8
 """Steps of one place that are listed; the files have all."""
@@ -54,10 +55,10 @@ def tested(answer: Answer) -> Iterable[str]:
         "Intervals are of 95 %; those of exact errors say what other seeds would have."
     )
     if answer.tests:
+        count, were = _counted(answer.tests, "series", "series"), "was" if answer.tests == 1 else "were"
         yield (
-            f"{_counted(answer.tests, 'series', 'series')} of times, or of errors with other seeds, "
-            f"{'was' if answer.tests == 1 else 'were'} tested for changes, each on one machine, with "
-            f"{SIGNIFICANCE:g} as the chance of a false alarm in all together."
+            f"{count} of times, each on one machine, or of errors with other seeds {were} "
+            f"tested for changes, with {SIGNIFICANCE:g} as the chance of a false alarm in all together."
         )
     if answer.untested:
         yield (

@@ -24,6 +24,8 @@ from aliascope.studies import regress_text as text
 from aliascope.studies.regress import Seen
 from aliascope.text_files import write_text
 
+HISTORY = "history.sqlite"
+
 # --- JSON -------------------------------------------------------------------------------------------------------------
 
 _PICTURES = ("first", "mean", "p_values")
@@ -283,16 +285,18 @@ def check_drawn(seen: Seen) -> None:
 def write(
     folder: Path, run: Run, seen: Seen, junit_path: Path | None = None, markdown_path: Path | None = None
 ) -> Path:
-    """Writes the page, results.json and summary.md of a folder, and the files that were asked for, and adds the run to
-    the folder's history. Returns the path of the page. Raises NotWritable, InvalidInput for a history that is none."""
+    """Writes the page, results.json and summary.md of a folder and the files that were asked for, and adds the run to
+    its history. Returns the path of the page. Raises NotWritable; InvalidInput for a history of a newer version."""
     write_text(folder / "results.json", results(run))
     write_text(folder / "summary.md", markdown(run))
     if junit_path:
         write_text(junit_path, junit(run))
     if markdown_path:
         write_text(markdown_path, markdown(run))
+    scenes = {cell.name.scene: cell.file for cell in seen.cells}
+    page = regress_page.write(folder, run, scenes, _references(seen))
     history.add(folder / HISTORY, run)
-    return regress_page.write(folder, run, {cell.name.scene: cell.file for cell in seen.cells}, _references(seen))
+    return page
 
 
 def _references(seen: Seen) -> dict[tuple[str, str], Reference]:
