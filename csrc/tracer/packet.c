@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "path.h"
+#include "vectorise.h"
 
 void packet_begin(packet *rays) {
   rtcInitIntersectContext(&rays->context);
@@ -11,7 +12,7 @@ void packet_begin(packet *rays) {
 }
 
 /* Rays through the lanes' samples. Perspective: from the eye, t is the depth; orthographic: from the eye's plane. */
-static void make_rays(const asc_view *view, packet *rays) {
+ASC_VECTORISE static void make_rays(const asc_view *view, packet *rays) {
   struct RTCRay16 *ray = &rays->rays.ray;
   struct RTCHit16 *hit = &rays->rays.hit;
   const double step_x = 2.0 * view->half_width / view->width, step_y = 2.0 * view->half_height / view->height;
