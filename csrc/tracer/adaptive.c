@@ -25,7 +25,10 @@ typedef struct rays_of_tile {
 /* Sixteen samples in a row are a packet. Which these are follows from the tile alone. */
 static asc_status trace(void *context, size_t count, const asc_pixel *pixels, const double *points, double *values) {
   const rays_of_tile *self = context;
+  const tracer *made = self->made;
   packet *rays = self->rays;
+  double places[PACKET][2] = {{0.0}};
+  rays->lens = (const double(*)[2])places;
   for (size_t done = 0; done < count; done += PACKET) {
     rays->lanes = count - done < PACKET ? (uint32_t)(count - done) : PACKET;
     for (uint32_t i = 0; i < rays->lanes; i++) {
@@ -34,11 +37,15 @@ static asc_status trace(void *context, size_t count, const asc_pixel *pixels, co
       rays->sample_y[i] = pixels[done + i].y + point[1];
       rays->further[i] = point + 2;
     }
-    packet_trace(self->made, rays);
+    if (made->view.lens_radius > 0.0)
+      lens_points(&made->lens, rays->lanes, points + done * self->dimensions + 2 + made->further.lens, self->dimensions,
+                  places);
+    packet_trace(made, rays);
     for (uint32_t i = 0; i < rays->lanes; i++)
       for (uint32_t channel = 0; channel < 3; channel++) values[3 * (done + i) + channel] = rays->radiance[i][channel];
   }
   rays->lanes = 0;
+  rays->lens = NULL;
   return ASC_OK;
 }
 

@@ -24,8 +24,9 @@ struct block_work {
   share shares[PACKET];
   uint32_t share_count;
   double sum[BLOCK_SIDE * BLOCK_SIDE][3];
-  double *points;  /* [MOST_ROWS][dimensions]: drawn, and not traced yet */
-  double *weights; /* [MOST_ROWS], or none: N times the samples' weights, which are 1 but for quadrature rules */
+  double *points;    /* [MOST_ROWS][dimensions]: drawn, and not traced yet */
+  double (*lens)[2]; /* [MOST_ROWS], where there is one: their points of it */
+  double *weights;   /* [MOST_ROWS], or none: N times the samples' weights, which are 1 but for quadrature rules */
   uint32_t dimensions;
   int weighted;
   uint64_t samples; /* a pixel */
@@ -44,7 +45,8 @@ block_work *block_work_make(const tracer *made) {
   memory->dimensions = tracer_dimensions(made);
   memory->points = malloc((size_t)MOST_ROWS * memory->dimensions * sizeof(double));
   memory->weights = malloc(MOST_ROWS * sizeof(double));
-  if (!memory->points || !memory->weights) {
+  memory->lens = calloc(MOST_ROWS + PACKET, sizeof *memory->lens);
+  if (!memory->points || !memory->weights || !memory->lens) {
     block_work_free(memory);
     return NULL;
   }
@@ -55,6 +57,7 @@ void block_work_free(block_work *memory) {
   if (!memory) return;
   free(memory->points);
   free(memory->weights);
+  free(memory->lens);
   free(memory);
 }
 
@@ -142,8 +145,8 @@ static asc_status draw(const asc_sampler *sampler, uint32_t pixels, cursor *at, 
 }
 
 /* Where samples lie, from where they lie in their pixel. */
-ASC_VECTORISE static void place(const double *points, size_t stride, size_t count, double x, double y, double *sample_x,
-                                double *sample_y) {
+ASC_VECTORISE static void place(const double *restrict points, size_t stride, size_t count, double x, double y,
+                                double *restrict sample_x, double *restrict sample_y) {
   if (stride == 2 && count == PACKET) {
     for (size_t i = 0; i < PACKET; i++) {
       sample_x[i] = x + points[2 * i];
@@ -172,6 +175,7 @@ static void trace(const tracer *made, cursor *at, size_t first, size_t count, bl
     memory->shares[memory->share_count++] = (share){pixel, (uint32_t)lanes};
   }
   for (size_t i = 0; i < count && stride > 2; i++) rays->further[i] = points + i * stride + 2;
+  rays->lens = (const double(*)[2])memory->lens + first;
   packet_trace(made, rays);
   if (memory->target)
     add_to_film(memory, memory->weighted ? weights : NULL);
@@ -193,6 +197,8 @@ static asc_status add_pixels(const tracer *made, const asc_sampler *sampler, uin
     size_t rows, done = 0;
     asc_status status = draw(sampler, pixels, &drawn, kept, memory, &rows);
     if (status) return status;
+    if (made->view.lens_radius > 0.0)
+      lens_points(&made->lens, rows, memory->points + 2 + made->further.lens, memory->dimensions, memory->lens);
     for (; done + PACKET <= rows; done += PACKET) trace(made, &traced, done, PACKET, memory);
     kept = rows - done;
     if (kept > 0 && drawn.pixel == pixels) trace(made, &traced, done, kept, memory);

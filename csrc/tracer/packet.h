@@ -33,7 +33,7 @@ typedef struct packet {
       scattered;                             /* for rays from the eye, and to the lights from what they meet; others */
   double sample_x[PACKET], sample_y[PACKET]; /* where in the picture, in pixels */
   const double *further[PACKET];             /* the samples' other numbers, from the third on, as the layout says */
-  double lens[PACKET][2];                    /* points of the lens, along right and up; set where there is one */
+  const double (*lens)[2];                   /* where there is one, [PACKET] points of it, along right and up */
   double time[PACKET];                       /* set where something moves */
   uint32_t lanes;                            /* how many are in use, the first ones */
   double origin[PACKET][3], direction[PACKET][3]; /* of the rays again, in double; unset where the scene is plain */
@@ -45,7 +45,8 @@ typedef struct packet {
 /* Sets what never changes. */
 void packet_begin(packet *rays);
 
-/* Traces the lanes in use, from sample_x, sample_y and, where the layout has any, `further` to radiance. */
+/* Traces the lanes in use, from sample_x, sample_y and, where the layout has any, `further`, to radiance. `lens` holds
+ * numbers for all lanes. */
 void packet_trace(const tracer *made, packet *rays);
 
 #endif
