@@ -3,10 +3,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "shine.h"
 #include "vectorise.h"
 
-#define CHUNK 1024 /* samples of a pixel that are drawn at a time: some patterns are made whole for each call */
-#define BATCH 1024 /* numbers of samples that are drawn before their rays are traced, of as many pixels as it takes */
+#define CHUNK 1024 /* sample_rows of a pixel that are drawn at a time: some patterns are made whole for each call */
+#define BATCH                                                                                                          \
+  1024 /* numbers that are drawn before the rays of their samples are traced, of as many pixels as it takes */
+
+#define MOST_ROWS (PACKET + BATCH / 2 + CHUNK) /* of no full packet, of less than a batch, of what completes it */
+#define PADDED_ROWS (MOST_ROWS + PACKET)       /* the last packet's lanes that are not in use are numbers too */
 
 /* Where in the block's samples, which are those of its pixels one after the other. */
 typedef struct cursor {
@@ -14,28 +19,24 @@ typedef struct cursor {
   uint64_t sample;
 } cursor;
 
-/* Lanes in a row that are of one pixel. */
-typedef struct share {
-  uint32_t pixel, lanes;
-} share;
-
+/* Samples that were drawn, and are not added up yet, each a row. */
 struct block_work {
   packet rays;
-  share shares[PACKET];
-  uint32_t share_count;
-  double sum[BLOCK_SIDE * BLOCK_SIDE][3];
-  double *points;    /* [MOST_ROWS][dimensions]: drawn, and not traced yet */
-  double (*lens)[2]; /* [MOST_ROWS], where there is one: their points of it */
-  double *weights;   /* [MOST_ROWS], or none: N times the samples' weights, which are 1 but for quadrature rules */
+  alignas(64) double sample_x[PADDED_ROWS];
+  alignas(64) double sample_y[PADDED_ROWS];
+  alignas(64) double lens[PADDED_ROWS][2];     /* where there is one */
+  alignas(64) double radiance[PADDED_ROWS][4]; /* as a packet's */
+  double weights[MOST_ROWS];                   /* N times the samples' weights; not set where they are all 1 */
+  sight sights[PADDED_ROWS / PACKET];          /* by packet */
+  double *points;                              /* [MOST_ROWS][dimensions] */
   uint32_t dimensions;
   int weighted;
   uint64_t samples; /* a pixel */
   block area;
+  film_cell sum[BLOCK_SIDE * BLOCK_SIDE];
   const film *target; /* NULL: samples go to `sum` */
   const film_pixel *cells;
 };
-
-#define MOST_ROWS (PACKET + BATCH / 2 + CHUNK) /* of no full packet, of less than a batch, of what completes it */
 
 block_work *block_work_make(const tracer *made) {
   block_work *memory = aligned_alloc(64, (sizeof *memory + 63) / 64 * 64);
@@ -44,9 +45,7 @@ block_work *block_work_make(const tracer *made) {
   packet_begin(&memory->rays);
   memory->dimensions = tracer_dimensions(made);
   memory->points = malloc((size_t)MOST_ROWS * memory->dimensions * sizeof(double));
-  memory->weights = malloc(MOST_ROWS * sizeof(double));
-  memory->lens = calloc(MOST_ROWS + PACKET, sizeof *memory->lens);
-  if (!memory->points || !memory->weights || !memory->lens) {
+  if (!memory->points) {
     block_work_free(memory);
     return NULL;
   }
@@ -56,8 +55,6 @@ block_work *block_work_make(const tracer *made) {
 void block_work_free(block_work *memory) {
   if (!memory) return;
   free(memory->points);
-  free(memory->weights);
-  free(memory->lens);
   free(memory);
 }
 
@@ -69,7 +66,7 @@ static int32_t pixel_x(const block *area, uint32_t pixel) { return area->x + (in
 
 static int32_t pixel_y(const block *area, uint32_t pixel) { return area->y + (int32_t)(pixel / area->columns); }
 
-/* Moves on by at most so many samples of one pixel; gives how many. */
+/* Moves on by at most so many sample_rows of one pixel; gives how many. */
 static size_t advance(cursor *at, uint64_t samples, size_t most) {
   const uint64_t left = samples - at->sample;
   if (left > most) {
@@ -80,75 +77,14 @@ static size_t advance(cursor *at, uint64_t samples, size_t most) {
   return (size_t)left;
 }
 
-/* --- adding up ------------------------------------------------------------------------------------------------------
- */
-
-/* `weights`: of the lanes, NULL where they are all 1. */
-static void add_to_film(const block_work *memory, const double *weights) {
-  const packet *rays = &memory->rays;
-  film_sample samples[PACKET];
-  uint32_t i = 0;
-  for (uint32_t k = 0; k < memory->share_count; k++) {
-    const share of = memory->shares[k];
-    const int32_t x = pixel_x(&memory->area, of.pixel), y = pixel_y(&memory->area, of.pixel);
-    for (uint32_t end = i + of.lanes; i < end; i++)
-      samples[i] = (film_sample){memory->cells[of.pixel], rays->sample_x[i] - x, rays->sample_y[i] - y,
-                                 weights ? weights[i] : 1.0};
-  }
-  film_add(memory->target, rays->lanes, samples, rays->radiance);
-}
-
-/* A pixel's sum is kept aside meanwhile, as each addition would wait for the store of the one before. */
-static void add_to_sums(block_work *memory, const double *weights) {
-  const double(*radiance)[3] = (const double(*)[3])memory->rays.radiance;
-  uint32_t i = 0;
-  for (uint32_t k = 0; k < memory->share_count; k++) {
-    const share of = memory->shares[k];
-    double *into = memory->sum[of.pixel];
-    double red = into[0], green = into[1], blue = into[2];
-    for (uint32_t end = i + of.lanes; i < end; i++) {
-      const double weight = weights ? weights[i] : 1.0;
-      red += weight * radiance[i][0];
-      green += weight * radiance[i][1];
-      blue += weight * radiance[i][2];
-    }
-    into[0] = red;
-    into[1] = green;
-    into[2] = blue;
-  }
-}
-
 /* --- samples to rays ------------------------------------------------------------------------------------------------
  */
-
-/* Draws samples, behind `kept` rows of those before, until they are a batch or the block's last; gives the rows. */
-static asc_status draw(const asc_sampler *sampler, uint32_t pixels, cursor *at, size_t kept, block_work *memory,
-                       size_t *rows) {
-  *rows = kept;
-  while (at->pixel < pixels && *rows * memory->dimensions < BATCH + kept * memory->dimensions) {
-    const cursor from = *at;
-    const size_t count = advance(at, memory->samples, CHUNK);
-    const asc_range range = {pixel_x(&memory->area, from.pixel),
-                             pixel_y(&memory->area, from.pixel),
-                             from.sample,
-                             count,
-                             0,
-                             memory->dimensions};
-    asc_status status = asc_sampler_fill(sampler, &range, memory->points + *rows * memory->dimensions);
-    if (status == ASC_OK && memory->weighted)
-      status = asc_sampler_weights(sampler, from.sample, count, memory->weights + *rows);
-    if (status) return status;
-    for (size_t i = *rows; memory->weighted && i < *rows + count; i++) memory->weights[i] *= (double)memory->samples;
-    *rows += count;
-  }
-  return ASC_OK;
-}
 
 /* Where samples lie, from where they lie in their pixel. */
 ASC_VECTORISE static void place(const double *restrict points, size_t stride, size_t count, double x, double y,
                                 double *restrict sample_x, double *restrict sample_y) {
-  if (stride == 2 && count == PACKET) {
-    for (size_t i = 0; i < PACKET; i++) {
+  if (stride == 2) {
+    for (size_t i = 0; i < count; i++) {
       sample_x[i] = x + points[2 * i];
       sample_y[i] = y + points[2 * i + 1];
     }
@@ -160,50 +96,132 @@ ASC_VECTORISE static void place(const double *restrict points, size_t stride, si
   }
 }
 
-/* Traces the samples of at most PACKET rows. */
-static void trace(const tracer *made, cursor *at, size_t first, size_t count, block_work *memory) {
-  packet *rays = &memory->rays;
-  const size_t stride = memory->dimensions;
-  const double *points = memory->points + first * stride, *weights = memory->weights + first;
-  rays->lanes = (uint32_t)count;
-  memory->share_count = 0;
-  for (size_t lane = 0, lanes; lane < count; lane += lanes) {
-    const uint32_t pixel = at->pixel;
-    lanes = advance(at, memory->samples, count - lane);
-    place(points + lane * stride, stride, lanes, pixel_x(&memory->area, pixel), pixel_y(&memory->area, pixel),
-          rays->sample_x + lane, rays->sample_y + lane);
-    memory->shares[memory->share_count++] = (share){pixel, (uint32_t)lanes};
-  }
-  for (size_t i = 0; i < count && stride > 2; i++) rays->further[i] = points + i * stride + 2;
-  rays->lens = (const double(*)[2])memory->lens + first;
-  packet_trace(made, rays);
-  if (memory->target)
-    add_to_film(memory, memory->weighted ? weights : NULL);
-  else
-    add_to_sums(memory, memory->weighted ? weights : NULL);
-  rays->lanes = 0;
+/* Draws sample_rows of one pixel as the rows from `row` on; gives how many. */
+static asc_status draw_pixel(const asc_sampler *sampler, cursor *at, size_t row, block_work *memory, size_t *count) {
+  const cursor from = *at;
+  const int32_t x = pixel_x(&memory->area, from.pixel), y = pixel_y(&memory->area, from.pixel);
+  *count = advance(at, memory->samples, CHUNK);
+  double *points = memory->points + row * memory->dimensions, *weights = memory->weights + row;
+  const asc_range range = {x, y, from.sample, *count, 0, memory->dimensions};
+  asc_status status = asc_sampler_fill(sampler, &range, points);
+  if (status == ASC_OK && memory->weighted) status = asc_sampler_weights(sampler, from.sample, *count, weights);
+  if (status) return status;
+  for (size_t i = 0; memory->weighted && i < *count; i++) weights[i] *= (double)memory->samples;
+  place(points, memory->dimensions, *count, x, y, memory->sample_x + row, memory->sample_y + row);
+  return ASC_OK;
 }
 
-/* All samples of the block's pixels, into packets that go on with the next pixel where they are not full. Of many
- * samples that are drawn one after the other the steps overlap, which wait for each other in each. */
+/* Draws samples, behind the rows that there are, until a batch is added, or the block's last is; gives all rows. */
+static asc_status draw(const tracer *made, const asc_sampler *sampler, cursor *at, block_work *memory, size_t *rows) {
+  const uint32_t pixels = memory->area.rows * memory->area.columns;
+  const size_t enough = *rows + BATCH / memory->dimensions;
+  while (at->pixel < pixels && *rows < enough) {
+    size_t count;
+    asc_status status = draw_pixel(sampler, at, *rows, memory, &count);
+    if (status) return status;
+    *rows += count;
+  }
+  if (made->view.lens_radius > 0.0)
+    lens_points(&made->lens, *rows, memory->points + 2 + made->further.lens, memory->dimensions, memory->lens);
+  return ASC_OK;
+}
+
+/* Sends the rays of at most PACKET rows. */
+static void cast(const tracer *made, size_t first, uint32_t count, block_work *memory) {
+  packet *rays = &memory->rays;
+  const size_t stride = memory->dimensions;
+  const double *further = memory->points + first * stride + 2;
+  rays->lanes = count;
+  rays->sample_x = memory->sample_x + first;
+  rays->sample_y = memory->sample_y + first;
+  rays->lens = (const double(*)[2])memory->lens + first;
+  rays->radiance = memory->radiance + first;
+  for (size_t i = 0; i < PACKET && stride > 2; i++) rays->further[i] = further + (i < count ? i * stride : 0);
+  packet_cast(made, rays);
+  sight *seen = &memory->sights[first / PACKET];
+  *seen = shine_see(made, rays);
+  if (!seen->one && !shine_take_each(made, rays)) packet_shade(made, rays);
+}
+
+/* Traces the first rows. Many are drawn, then sent, then shaded, then added up: within each of these steps rays do not
+ * wait for each other, so that the machine has several under way. */
+static void trace(const tracer *made, size_t rows, block_work *memory) {
+  for (size_t i = 0; i < rows; i += PACKET) cast(made, i, rows - i < PACKET ? (uint32_t)(rows - i) : PACKET, memory);
+  for (size_t first = 0, end; first < rows; first = end) {
+    const sight seen = memory->sights[first / PACKET];
+    for (end = first + PACKET; end < rows && shine_same(seen, memory->sights[end / PACKET]);) end += PACKET;
+    const sample_rows of = {end - first, memory->sample_x + first, memory->sample_y + first,
+                            (const double(*)[2])memory->lens + first, memory->radiance + first};
+    if (seen.one) shine_take(made, seen, &of);
+  }
+}
+
+/* --- adding up ------------------------------------------------------------------------------------------------------
+ */
+
+static void add_to_film(block_work *memory, cursor *at, size_t rows) {
+  for (size_t first = 0; first < rows; first += FILM_BATCH) {
+    film_sample samples[FILM_BATCH];
+    const size_t count = rows - first < FILM_BATCH ? rows - first : FILM_BATCH;
+    for (size_t i = 0; i < count;) {
+      const uint32_t pixel = at->pixel;
+      const int32_t x = pixel_x(&memory->area, pixel), y = pixel_y(&memory->area, pixel);
+      for (const size_t end = i + advance(at, memory->samples, count - i); i < end; i++)
+        samples[i] =
+            (film_sample){memory->cells[pixel], memory->sample_x[first + i] - x, memory->sample_y[first + i] - y,
+                          memory->weighted ? memory->weights[first + i] : 1.0};
+    }
+    film_add(memory->target, count, samples, (const double(*)[4])memory->radiance + first);
+  }
+}
+
+/* A pixel's sum is kept aside meanwhile, as each addition would wait for the store of the one before. */
+ASC_VECTORISE static void add_rows(const double (*radiance)[4], const double *weights, size_t count, film_cell *into) {
+  film_cell sum = *into;
+  for (size_t i = 0; i < count; i++) {
+    film_cell more;
+    memcpy(&more, radiance[i], sizeof more);
+    sum += weights ? weights[i] * more : more;
+  }
+  *into = sum;
+}
+
+static void add_to_sums(block_work *memory, cursor *at, size_t rows) {
+  for (size_t i = 0, count; i < rows; i += count) {
+    film_cell *into = &memory->sum[at->pixel];
+    count = advance(at, memory->samples, rows - i);
+    add_rows((const double(*)[4])memory->radiance + i, memory->weighted ? memory->weights + i : NULL, count, into);
+  }
+}
+
+/* Moves the rows from `first` on to the front. */
+static void move_rows(block_work *memory, size_t first, size_t count) {
+  const size_t stride = memory->dimensions;
+  memmove(memory->points, memory->points + first * stride, count * stride * sizeof(double));
+  memmove(memory->weights, memory->weights + first, count * sizeof(double));
+  memmove(memory->sample_x, memory->sample_x + first, count * sizeof(double));
+  memmove(memory->sample_y, memory->sample_y + first, count * sizeof(double));
+}
+
+/* All sample_rows of the block's pixels, into packets that go on with the next pixel where they are not full. */
 static asc_status add_pixels(const tracer *made, const asc_sampler *sampler, uint64_t samples, block area,
                              block_work *memory) {
   const uint32_t pixels = area.rows * area.columns;
-  cursor drawn = {0, 0}, traced = {0, 0};
+  cursor drawn = {0, 0}, added = {0, 0};
   memory->weighted = (asc_sampler_traits(sampler) & ASC_TRAIT_WEIGHTED) != 0;
   memory->samples = samples;
   memory->area = area;
-  for (size_t kept = 0; drawn.pixel < pixels;) {
-    size_t rows, done = 0;
-    asc_status status = draw(sampler, pixels, &drawn, kept, memory, &rows);
+  for (size_t rows = 0; drawn.pixel < pixels;) {
+    asc_status status = draw(made, sampler, &drawn, memory, &rows);
     if (status) return status;
-    if (made->view.lens_radius > 0.0)
-      lens_points(&made->lens, rows, memory->points + 2 + made->further.lens, memory->dimensions, memory->lens);
-    for (; done + PACKET <= rows; done += PACKET) trace(made, &traced, done, PACKET, memory);
-    kept = rows - done;
-    if (kept > 0 && drawn.pixel == pixels) trace(made, &traced, done, kept, memory);
-    memmove(memory->points, memory->points + done * memory->dimensions, kept * memory->dimensions * sizeof(double));
-    memmove(memory->weights, memory->weights + done, kept * sizeof(double));
+    const size_t ready = drawn.pixel < pixels ? rows / PACKET * PACKET : rows;
+    trace(made, ready, memory);
+    if (memory->target)
+      add_to_film(memory, &added, ready);
+    else
+      add_to_sums(memory, &added, ready);
+    rows -= ready;
+    if (rows > 0) move_rows(memory, ready, rows);
   }
   return ASC_OK;
 }

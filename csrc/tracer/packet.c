@@ -60,56 +60,27 @@ static void set_times(const tracer *made, packet *rays) {
   }
 }
 
-/* Whether all lanes met one primitive, or nothing: the most of packets. */
-ASC_VECTORISE static int agree(const struct RTCHit16 *hit) {
-  uint32_t geometry = 0, primitive = 0;
-  for (int i = 0; i < PACKET; i++) {
-    geometry |= hit->geomID[i] ^ hit->geomID[0];
-    primitive |= hit->primID[i] ^ hit->primID[0];
-  }
-  return geometry == 0 && (primitive == 0 || hit->geomID[0] == RTC_INVALID_GEOMETRY_ID);
-}
-
-static uint32_t material_at(const tracer *made, const struct RTCHit16 *hit, uint32_t lane) {
-  const surface met = tracer_surface(made, hit->geomID[lane], hit->primID[lane]);
-  return made->material_of[met.kind][met.number];
-}
-
-ASC_VECTORISE static void take_one(const double from[3], double (*radiance)[3]) {
-  const double red = from[0], green = from[1], blue = from[2];
-  for (uint32_t i = 0; i < PACKET; i++) {
-    radiance[i][0] = red;
-    radiance[i][1] = green;
-    radiance[i][2] = blue;
-  }
-}
-
 static void take_emission(const tracer *made, packet *rays) {
   const struct RTCHit16 *hit = &rays->rays.hit;
-  if (rays->lanes == PACKET && agree(hit)) {
-    const int nothing = hit->geomID[0] == RTC_INVALID_GEOMETRY_ID;
-    take_one(nothing ? made->view.background : made->materials[material_at(made, hit, 0)].emission, rays->radiance);
-    return;
-  }
   for (uint32_t i = 0; i < rays->lanes; i++) {
-    const int nothing = hit->geomID[i] == RTC_INVALID_GEOMETRY_ID;
-    const double *from = nothing ? made->view.background : made->materials[material_at(made, hit, i)].emission;
+    const double *from = made->view.background;
+    if (hit->geomID[i] != RTC_INVALID_GEOMETRY_ID) {
+      const surface met = tracer_surface(made, hit->geomID[i], hit->primID[i]);
+      from = made->materials[made->material_of[met.kind][met.number]].emission;
+    }
     for (int channel = 0; channel < 3; channel++) rays->radiance[i][channel] = from[channel];
   }
 }
 
-void packet_trace(const tracer *made, packet *rays) {
-  for (uint32_t i = 0; i < PACKET; i++) {
-    rays->valid[i] = i < rays->lanes ? -1 : 0;
-    if (i < rays->lanes) continue;
-    rays->sample_x[i] = rays->sample_x[0]; /* not traced; but numbers, for the arithmetic */
-    rays->sample_y[i] = rays->sample_y[0];
-    rays->further[i] = rays->further[0];
-  }
+void packet_cast(const tracer *made, packet *rays) {
+  for (uint32_t i = 0; i < PACKET; i++) rays->valid[i] = i < rays->lanes ? -1 : 0;
   make_rays(&made->view, rays);
   if (made->view.lens_radius > 0.0) move_to_lens(&made->view, rays);
   if (made->motion_count > 0) set_times(made, rays);
   rtcIntersect16(rays->valid, made->scene, &rays->context, &rays->rays);
+}
+
+void packet_shade(const tracer *made, packet *rays) {
   if (made->plain)
     take_emission(made, rays);
   else
