@@ -215,7 +215,7 @@ void shine_take(const tracer *made, sight seen, const sample_rows *of) {
 
 int shine_take_each(const tracer *made, const packet *rays) {
   const struct RTCHit16 *hit = &rays->rays.hit;
-  if (!made->shines_alone || rays->lanes < PACKET) return 0;
+  if (made->plain || !made->shines_alone || rays->lanes < PACKET) return 0;
   for (int i = 0; i < PACKET; i++)
     if (hit->geomID[i] == SPHERES) return 0;
   double radiance[PACKET][4];
