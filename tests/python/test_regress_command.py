@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 from commands import complaint, environment, run
 
-from aliascope import places, renderers
+from aliascope import history, places, renderers
 from aliascope.errors import JobFailed
 from aliascope.records import Pixels, Rendering
 from aliascope.regression import defects
@@ -149,6 +149,15 @@ def test_what_did_not_change_passes(folder: Path, monkeypatch: pytest.MonkeyPatc
     assert (folder / "m.md").read_text() == (folder / "out" / "summary.md").read_text()
 
 
+def test_each_run_is_added_to_the_history_of_its_folder(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    regressed(folder, "-o", "out")
+    make_wrong(monkeypatch, brighter)
+    regressed(folder, "-o", "out", code=1)
+    runs = history.load(folder / "out" / "history.sqlite")
+    assert [run.passed for run in runs] == [True, False]
+    assert [cell.name.mode for cell in runs[1].cells] == list(SHOWN)
+
+
 def test_quiet_says_controls_and_the_summary(folder: Path) -> None:
     quiet = regressed(folder, "-q").splitlines()
     assert not any(line.startswith(("passed", "  ok")) for line in quiet)
@@ -238,7 +247,9 @@ def test_figures_that_were_edited_are_refused_until_they_are_blessed(folder: Pat
     said = regressed(folder, code=1)
     for mode in SHOWN:  # of both cells of the file
         assert "were changed since they were blessed" in "".join(cell_of(said, mode))
-    (command, *_) = [line.strip() for line in said.splitlines() if line.strip().startswith("aliascope regress")]
+    assert "version control, or bless them anew, as below" in " ".join(" ".join(cell_of(said, SHOWN[0])).split())
+    (command,) = [line.strip() for line in said.splitlines() if line.strip().startswith("aliascope regress")]
+    assert shlex.split(command)[1:] == told(cell_of(said, SHOWN[0]), "bless")  # the other cell's points there
     fixed = run(*shlex.split(command)[1:], cwd=folder).stdout
     assert "what was there cannot be compared" in fixed
     assert "old hash none" in fixed

@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import pytest
 from regress_runs import CRASHED, EDGE, GONE, STAR, check, failing, observed, passing, verdict
 
+from aliascope import history
 from aliascope.errors import NotWritable
 from aliascope.regression.records import Check, Run
 from aliascope.studies import regress_files, regress_text
@@ -252,6 +253,9 @@ def test_files_are_written_where_they_were_asked_for(tmp_path: Path) -> None:
     assert (tmp_path / "a" / "junit.xml").read_text() == regress_files.junit(run)
     assert (tmp_path / "note.md").read_text() == (tmp_path / "out" / "summary.md").read_text()
     assert json.loads((tmp_path / "out" / "results.json").read_text()) == regress_files.document(run)
+    regress_files.write(tmp_path / "out", run, NOTHING)
+    kept = history.load(tmp_path / "out" / "history.sqlite")  # each run is added
+    assert [[cell.name for cell in each.cells] for each in kept] == [[cell.name for cell in run.cells]] * 2
     with pytest.raises(NotWritable, match="cannot be written"):
         regress_files.write(tmp_path / "note.md", run, NOTHING)
     with pytest.raises(NotWritable, match="choose another folder with -o"):

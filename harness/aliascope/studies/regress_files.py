@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from aliascope import history
 from aliascope.errors import CheckFailed, NotAvailable, NotWritable, Unsupported
 from aliascope.references import Reference, files
 from aliascope.regression.records import CellName, CellVerdict, Check, Control, Run
@@ -22,6 +23,8 @@ from aliascope.studies import regress_page
 from aliascope.studies import regress_text as text
 from aliascope.studies.regress import Seen
 from aliascope.text_files import write_text
+
+HISTORY = "history.sqlite"
 
 # --- JSON -------------------------------------------------------------------------------------------------------------
 
@@ -254,6 +257,9 @@ def _escaped(value: str) -> str:
     return " ".join(value.split())
 
 
+HISTORY = "history.sqlite"
+
+
 # --- writing ----------------------------------------------------------------------------------------------------------
 
 
@@ -279,15 +285,18 @@ def check_drawn(seen: Seen) -> None:
 def write(
     folder: Path, run: Run, seen: Seen, junit_path: Path | None = None, markdown_path: Path | None = None
 ) -> Path:
-    """Writes the page, results.json and summary.md of a folder, and the files that were asked for. Returns the path of
-    the page. Raises NotWritable."""
+    """Writes the page, results.json and summary.md of a folder and the files that were asked for, and adds the run to
+    its history. Returns the path of the page. Raises NotWritable; InvalidInput for a history of a newer version."""
     write_text(folder / "results.json", results(run))
     write_text(folder / "summary.md", markdown(run))
     if junit_path:
         write_text(junit_path, junit(run))
     if markdown_path:
         write_text(markdown_path, markdown(run))
-    return regress_page.write(folder, run, {cell.name.scene: cell.file for cell in seen.cells}, _references(seen))
+    scenes = {cell.name.scene: cell.file for cell in seen.cells}
+    page = regress_page.write(folder, run, scenes, _references(seen))
+    history.add(folder / HISTORY, run)
+    return page
 
 
 def _references(seen: Seen) -> dict[tuple[str, str], Reference]:
