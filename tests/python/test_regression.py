@@ -356,6 +356,48 @@ def _seen(judged: Judged, draws: Sequence[Draw]) -> Observed:
     return _MADE[key]
 
 
+def _with_coefficient(found: Observed, name: str, more: Array) -> Observed:
+    """With so much more of a template in each replicate."""
+    place = found.names.index(name)
+    each = [
+        replace(
+            one, coefficients=(*one.coefficients[:place], one.coefficients[place] + add, *one.coefficients[place + 1 :])
+        )
+        for one, add in zip(found.replicates, more.tolist(), strict=True)
+    ]
+    return replace(found, replicates=tuple(each))
+
+
+def test_what_noise_hides_beside_the_reference_is_seen_beside_the_blessed() -> None:
+    chances = shared(verdict.Tests(1620, 8640, 250))
+    noise = np.random.default_rng(5).normal(size=16)
+    then = _with_coefficient(_seen("reference", SEEDS), "gain", 2.0 * (noise - noise.mean()))
+    now = _with_coefficient(then, "gain", np.full(16, 1.0))
+    failed = [check.about for check in judge(now, kept(then), chances) if not check.passed]
+    assert failed == ["gain, beside the blessed"]
+    assert all(check.passed for check in judge(now, None, chances))  # 1 % beside a standard error of 0.5 %
+    counted = verdict.count(then, kept(then)), verdict.count(then, None)
+    assert counted[0].effect == 2 * counted[1].effect == 2 * len(then.names)
+    assert counted[0].block == 2 * counted[1].block
+
+
+def test_a_mode_without_a_seed_draws_the_same_again_picture_by_picture() -> None:
+    chances = shared(verdict.Tests(1620, 8640, 250))
+    then = _seen("blessed", SHIFTS)
+    about = "moved right, picture by picture"
+    for amount, fine in ((1 / 65, True), (1 / 63, False), (np.nan, False)):
+        # To and fro: the mean is 0, and Student's test finds nothing.
+        now = _with_coefficient(then, "moved right", amount * np.array([1.0, -1.0] * 8))
+        checks = {check.about: check for check in judge(now, kept(then), chances)}
+        assert checks[about].passed is fine
+        assert checks[about].limit == pytest.approx(1 / 64)
+        assert checks[about].p_value is None
+    snapping = replace(now, name=replace(now.name, renderer="osmesa"))
+    assert not any("picture by picture" in check.about for check in judge(snapping, kept(then), chances))
+    seeded = _seen("blessed", SEEDS)
+    assert not any("picture by picture" in check.about for check in judge(seeded, kept(seeded), chances))
+
+
 @pytest.mark.parametrize("judged", ["reference", "blessed"])
 @pytest.mark.parametrize(
     ("about", "change"),
@@ -371,7 +413,8 @@ def test_effects_are_caught_and_named(judged: Judged, about: str, change: Callab
     chances = shared(verdict.Tests(1620, 8640, 250))
     found = {check.family: check for check in judge(made(7, judged=judged, change=change), then, chances)}
     assert not found["effect"].passed
-    assert about in (found["effect"].about, *found["effect"].detail.split("limits: ")[-1].split(", "))
+    first = found["effect"].about.removesuffix(", beside the blessed")
+    assert about in (first, *found["effect"].detail.split("limits: ")[-1].split(", "))
     assert found["effect"].p_value is not None
     assert found["effect"].p_value < chances.effect
 

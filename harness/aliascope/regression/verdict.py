@@ -3,8 +3,9 @@
 Statistical tests share SIGNIFICANCE over the whole run, by SHARES, each share divided evenly by the number of its tests
 (Bonferroni): so first all tests of a run are counted (`count`, `shared`), then each cell is judged (`judge`).
 
-With c the coefficient of a template (`templates.py`) in each of K replicates - of a cell that is judged by its
-blessed figures the difference from the blessed replicate with the same draw - and a margin, which is no regression:
+With c the coefficient of a template (`templates.py`) in each of K replicates - beside the reference, in a cell that is
+judged by that; and in each cell the difference from the blessed replicate with the same draw - and a margin, which is
+no regression:
 
     t = (|mean c| - margin) / sqrt(var c / K + known^2)
 
@@ -39,6 +40,13 @@ SHARES: Mapping[str, float] = {"effect": 0.5, "block": 0.25, "accuracy": 0.25}
 
 WORSE = 0.02
 """An error that is larger by so much is no regression."""
+
+EXACT = 5.0
+"""Margins: half of the least defect that must be caught, for a mode that draws the same again."""
+
+SNAPPING = frozenset({"osmesa"})
+"""Renderers that put corners on a grid, and move all by some 1/1024 pixel, as other versions may do otherwise: with few
+samples that is seen (on `comb`, without antialiasing, as 6.8 times what EXACT allows), and is no regression."""
 
 COUNT_MARGIN = 1e-3
 """Samples and rays that hang on what rays hit may differ by so much: other instructions round other hits."""
@@ -84,14 +92,16 @@ class Chances:
 
 def count(observed: Observed, blessed: Blessed | None) -> Tests:
     """The statistical tests that `judge` makes of a cell."""
-    paired = blessed is not None
-    there = observed.judged == "reference" or paired
-    counted = len(_hanging(observed)) if paired else 0
-    return Tests(
-        effect=len(observed.names) if there else 0,
-        block=len(observed.known_blocks) if there else 0,
-        accuracy=1 + counted if paired else 0,
-    )
+    times = len(_compared(observed, blessed))
+    counted = 1 + len(_hanging(observed)) if blessed is not None else 0
+    return Tests(effect=times * len(observed.names), block=times * len(observed.known_blocks), accuracy=counted)
+
+
+def _compared(observed: Observed, blessed: Blessed | None) -> list[Blessed | None]:
+    """What the pictures are compared with: the reference (None) where they are judged by that, and what was blessed, if
+    there is that. The noise of a seed is in both pictures of a pair, and little of it in their difference."""
+    reference: list[Blessed | None] = [None] if observed.judged == "reference" else []
+    return reference + ([blessed] if blessed is not None else [])
 
 
 def shared(tests: Tests, significance: float = SIGNIFICANCE) -> Chances:
@@ -120,13 +130,13 @@ def judge(
     """All checks of a cell; without blessed figures those that need none. machine: where it ran, as `blessed` has it:
     times of another are not compared."""
     checks: list[Check | None] = [_not_finite(observed)]
-    if observed.judged == "reference" or blessed is not None:
-        checks += [_effects(observed, blessed, chances.effect), _blocks(observed, blessed, chances.block)]
+    for other in _compared(observed, blessed):
+        checks += [_effects(observed, other, chances.effect), _blocks(observed, other, chances.block)]
     checks.append(_distinct(observed, blessed))
     if blessed is None:
         return tuple(check for check in checks if check is not None)
-    checks += [*_values(observed, blessed), _scatter(observed, blessed), _accuracy(observed, blessed, chances.accuracy)]
-    checks += _costs(observed, blessed, chances.accuracy)
+    checks += [_exact(observed, blessed), *_values(observed, blessed), _scatter(observed, blessed)]
+    checks += [_accuracy(observed, blessed, chances.accuracy), *_costs(observed, blessed, chances.accuracy)]
     if machine is not None and dict(machine) == dict(blessed.machine):
         checks.append(_time(observed, blessed))
     return tuple(check for check in checks if check is not None)
@@ -135,39 +145,61 @@ def judge(
 # --- effects and blocks -----------------------------------------------------------------------------------------------
 
 
-def _paired(observed: Observed, blessed: Blessed | None, of: Callable[[Replicate], Sequence[float]]) -> Array:
-    """(K, n): of each replicate, less what its blessed one has where the cell is judged by that."""
+def _paired(observed: Observed, other: Blessed | None, of: Callable[[Replicate], Sequence[float]]) -> Array:
+    """(K, n): of each replicate, less what the blessed one with the same draw has, if there is one."""
     values: Array = np.array([of(replicate) for replicate in observed.replicates])
-    if observed.judged == "reference":
+    if other is None:
         return values
-    assert blessed is not None  # else there is no such test
-    then: Array = np.array([of(replicate) for replicate in blessed.observed.replicates])
+    then: Array = np.array([of(replicate) for replicate in other.observed.replicates])
     return values - then
 
 
-def _effects(observed: Observed, blessed: Blessed | None, chance: float) -> Check | None:
+def _effects(observed: Observed, other: Blessed | None, chance: float) -> Check | None:
     if not observed.names:
         return None
     templates = [BY_NAME[name] for name in observed.names]
-    known = np.array(observed.known) if observed.judged == "reference" else 0.0
-    values = _paired(observed, blessed, lambda replicate: replicate.coefficients)
+    known = np.array(observed.known) if other is None else 0.0
+    values = _paired(observed, other, lambda replicate: replicate.coefficients)
     tested = student_test(values, np.array([template.margin for template in templates]), known, chance)
     worst = int(np.argmax(tested.share))
     beyond = [template.name for template, share in zip(templates, tested.share, strict=True) if not share <= 1.0]
-    return _worst(observed, tested, "effect", worst, templates[worst].name, templates[worst].unit, beyond)
+    about = templates[worst].name + _beside(observed, other)
+    return _worst(observed, tested, "effect", worst, about, templates[worst].unit, beyond)
 
 
-def _blocks(observed: Observed, blessed: Blessed | None, chance: float) -> Check:
+def _blocks(observed: Observed, other: Blessed | None, chance: float) -> Check:
     known, floor = (
-        np.array(each) if observed.judged == "reference" and each else 0.0
-        for each in (observed.known_blocks, observed.floor_blocks)
+        np.array(each) if other is None and each else 0.0 for each in (observed.known_blocks, observed.floor_blocks)
     )
-    values = _paired(observed, blessed, lambda replicate: replicate.blocks)
+    values = _paired(observed, other, lambda replicate: replicate.blocks)
     tested = student_test(values, BLOCK_MARGIN, known, chance, floor)
     worst = int(np.argmax(tested.share))
     names = [f"({x}, {y})" for x, y in (block_place(number, observed.size) for number in range(len(tested.share)))]
     beyond = [name for name, share in zip(names, tested.share, strict=True) if not share <= 1.0]
-    return _worst(observed, tested, "block", worst, f"block of pixels from {names[worst]}", "", beyond)
+    about = f"block of pixels from {names[worst]}{_beside(observed, other)}"
+    return _worst(observed, tested, "block", worst, about, "", beyond)
+
+
+def _beside(observed: Observed, other: Blessed | None) -> str:
+    """To be told where a cell is compared with both."""
+    return ", beside the blessed" if other is not None and observed.judged == "reference" else ""
+
+
+def _exact(observed: Observed, blessed: Blessed) -> Check | None:
+    """Modes without a seed draw the same again, but for what other instructions round: of no template does a picture
+    change by EXACT margins, root mean square over the shifts. What moves few samples across an edge scatters too much
+    over the shifts for Student's test; and as nothing is random there, nothing has to be tested for chance."""
+    still = all(replicate.draw.shift == (0.0, 0.0) for replicate in observed.replicates)
+    if still or not observed.names or observed.name.renderer in SNAPPING:
+        return None
+    templates = [BY_NAME[name] for name in observed.names]
+    change = np.sqrt((_paired(observed, blessed, lambda replicate: replicate.coefficients) ** 2).mean(axis=0))
+    limits = np.array([EXACT * template.margin for template in templates])
+    share = np.where(np.isnan(change), np.inf, change / limits)
+    worst = int(np.argmax(share))
+    about = f"{templates[worst].name}, picture by picture"
+    figures = float(change[worst]), float(limits[worst])
+    return Check(observed.name, "value", about, *figures, templates[worst].unit, bool((share <= 1.0).all()))
 
 
 def _worst(
@@ -194,7 +226,9 @@ def _worst(
 #
 # The limits of values are wider than what fresh seeds make of a cell: of 128 replicates of each cell of the suite on
 # Embree, 16 drawn for "now" and 16 for "blessed" a thousand times, no least value came to 0.1 of what is granted to it,
-# no largest to 0.5, no outlier to 0.9; the variance between replicates fell to 0.7 at the least.
+# no largest to 0.5; the variance between replicates fell to 0.7 at the least. Outliers have the longest tail: with
+# random samples on `highlights`, 10^4 times as bright as the night behind, one of 64 pictures had 3.3 times the median,
+# and a limit of 3 times the largest of 16 was exceeded in 3 of 1,000 runs. A firefly is the largest value by far.
 
 
 def _not_finite(observed: Observed) -> Check:
@@ -230,7 +264,7 @@ def largest_limit(then: Sequence[Replicate]) -> float:
 
 def outlier_limit(then: Sequence[Replicate]) -> float:
     """The most outlying value that is no regression."""
-    return 3.0 * max(replicate.outlier for replicate in then) + 0.25
+    return 5.0 * max(replicate.outlier for replicate in then) + 0.25
 
 
 def _distinct(observed: Observed, blessed: Blessed | None) -> Check:

@@ -40,7 +40,7 @@ TELLING: Mapping[str, tuple[str, ...]] = {
         "adaptive:method=kajiya,n=64",
         "adaptive:method=mitchell,n=96",
     ),
-    "povray": (f"accumulate:n=4,{OWEN}", "regular:n=16", "am2:depth=3", "focal-blur"),
+    "povray": (f"accumulate:n=16,{OWEN}", "regular:n=16", "am2:depth=3", "focal-blur"),
     "osmesa": (f"accumulate:n=16,{OWEN}", "msaa:n=4"),
 }
 """The modes of the suite that defects are put into, by renderer: those with the least noise, and one of each kind that

@@ -79,7 +79,7 @@ def _telling(each: Caught) -> tuple[float, float]:
 def null_text(answer: Answer) -> str:
     """Of false alarms, in a sentence or two."""
     null = answer.null
-    shares = ", ".join(f"{name}s {100 * share:g} %" for name, share in SHARES.items())
+    shares = ", ".join(f"{name} {100 * share:g} %" for name, share in SHARES.items())
     return (
         f"{null.alarms} of {null.repetitions} repetitions of the whole suite in which nothing changed raised an alarm: "
         f"below {100 * null.bound:.2g} % of runs, with 95 % confidence. The suite has {answer.cells} cells and "

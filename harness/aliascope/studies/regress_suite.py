@@ -52,9 +52,9 @@ SUITE: Mapping[str, Mapping[str, tuple[str, ...]]] = {
         "gloss": ("none",),
         "heavy": ("am2:depth=3",),
         "plain": ("none", "am1:depth=3", "am2:depth=3", "regular:n=16"),
-        "lens": ("focal-blur", f"accumulate:n=4,{OWEN}"),
-        "area light": ("none", f"accumulate:n=4,{OWEN}"),
-        "frames": (f"accumulate:n=4,{OWEN}",),
+        "lens": ("focal-blur", f"accumulate:n=16,{OWEN}"),
+        "area light": ("none", f"accumulate:n=16,{OWEN}"),
+        "frames": (f"accumulate:n=16,{OWEN}",),
         "bounces": ("none",),
     },
     "osmesa": {
@@ -90,7 +90,7 @@ any count. Measured in tests/python/test_regression.py. Any other key of such a 
 CONTROL_SCENE = "siemens-star"
 CONTROL_MODES: Mapping[str, tuple[str, ...]] = {
     "embree": (f"uniform:n=64,{OWEN}",),
-    "povray": ("regular:n=16", f"accumulate:n=4,{OWEN}"),
+    "povray": ("regular:n=16", f"accumulate:n=16,{OWEN}"),
     "osmesa": (f"accumulate:n=16,{OWEN}",),
 }
 """Where the controls go, the first that a run has."""
