@@ -534,7 +534,7 @@ static void samples_stay_within_reach(void **state) {
       (void)film_begin(&target, 0, 0);
       const film_pixel first = film_at(&target, 0, 0, 0, 0), last = film_at(&target, 0, 0, 15, 15);
       const film_sample sample = {last, 0.05 * place, 0.05 * place, 1.0};
-      const double light[1][3] = {{INFINITY, INFINITY, INFINITY}};
+      const double light[1][4] = {{INFINITY, INFINITY, INFINITY, 0.0}};
       film_add(&target, 1, &sample, light);
       const int32_t side = (int32_t)target.side, least = side - 2 * target.reach - 1;
       const film_cell *cells = first.weighted - (ptrdiff_t)target.reach * (side + 1);

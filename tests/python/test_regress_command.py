@@ -21,12 +21,12 @@ import numpy as np
 import pytest
 from commands import complaint, environment, run
 
-from aliascope import places, renderers
+from aliascope import history, places, renderers
 from aliascope.errors import JobFailed
 from aliascope.records import Pixels, Rendering
 from aliascope.regression import defects
 from aliascope.renderers.base import Request
-from aliascope.studies import regress, regress_page
+from aliascope.studies import regress_page, regress_render
 
 SEEDED = "uniform:n=64,sampler=sobol,sampler.scramble=owen"
 """Judged by the reference."""
@@ -74,7 +74,7 @@ def blessed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     tiny(folder)
     run("reference", "./tiny.toml", "-o", "refs", cwd=folder)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(regress, "Workers", Inline)
+        patch.setattr(regress_render, "Workers", Inline)
         said = run(*WORDS, "--bless", "*", "--reason", "first figures", cwd=folder).stdout
     assert "blessed 2 cells" in said
     return folder
@@ -85,7 +85,7 @@ WORDS = ("regress", "./tiny.toml", "--references", "refs", *EMBREE)
 
 @pytest.fixture
 def folder(blessed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(regress, "Workers", Inline)
+    monkeypatch.setattr(regress_render, "Workers", Inline)
     monkeypatch.setattr(regress_page, "write", lambda folder, *of: folder / "report.html")  # its plots take a second
     shutil.copytree(blessed, tmp_path, dirs_exist_ok=True)
     return tmp_path
@@ -147,6 +147,15 @@ def test_what_did_not_change_passes(folder: Path, monkeypatch: pytest.MonkeyPatc
     assert not json.loads((folder / "out" / "results.json").read_text())["skipped"]
     assert len(ElementTree.parse(folder / "j.xml").getroot().findall("testsuite/testcase")) == 5
     assert (folder / "m.md").read_text() == (folder / "out" / "summary.md").read_text()
+
+
+def test_each_run_is_added_to_the_history_of_its_folder(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    regressed(folder, "-o", "out")
+    make_wrong(monkeypatch, brighter)
+    regressed(folder, "-o", "out", code=1)
+    runs = history.load(folder / "out" / "history.sqlite")
+    assert [run.passed for run in runs] == [True, False]
+    assert [cell.name.mode for cell in runs[1].cells] == list(SHOWN)
 
 
 def test_quiet_says_controls_and_the_summary(folder: Path) -> None:
@@ -238,7 +247,9 @@ def test_figures_that_were_edited_are_refused_until_they_are_blessed(folder: Pat
     said = regressed(folder, code=1)
     for mode in SHOWN:  # of both cells of the file
         assert "were changed since they were blessed" in "".join(cell_of(said, mode))
-    (command, *_) = [line.strip() for line in said.splitlines() if line.strip().startswith("aliascope regress")]
+    assert "version control, or bless them anew, as below" in " ".join(" ".join(cell_of(said, SHOWN[0])).split())
+    (command,) = [line.strip() for line in said.splitlines() if line.strip().startswith("aliascope regress")]
+    assert shlex.split(command)[1:] == told(cell_of(said, SHOWN[0]), "bless")  # the other cell's points there
     fixed = run(*shlex.split(command)[1:], cwd=folder).stdout
     assert "what was there cannot be compared" in fixed
     assert "old hash none" in fixed
@@ -347,6 +358,22 @@ def test_a_folder_that_cannot_be_written_is_said_before_anything_is_rendered(
 ) -> None:
     make_wrong(monkeypatch, lambda pixels, request: pytest.fail("rendered"))
     assert "choose another folder with -o" in complaint(*WORDS, "-o", "tiny.toml", code=4, cwd=folder)
+
+
+def test_an_interrupted_run_is_no_failed_one(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(pixels: Pixels, request: Request) -> Pixels:
+        raise KeyboardInterrupt
+
+    make_wrong(monkeypatch, stop)
+    assert "interrupted" in complaint(*WORDS, code=130, cwd=folder)
+
+
+def test_what_a_run_was_given_stands_in_the_commands_that_it_tells(folder: Path) -> None:
+    said = regressed(folder, "-m", "uniform:n=4,sampler=random", "--time-limit", "90", code=1)
+    for word in ("again", "bless"):
+        words = told(cell_of(said, "uniform:n=4,sampler=random"), word)
+        assert words[:6] == ["regress", "./tiny.toml", "--references", "refs", "--time-limit", "90"]
+        assert words[words.index("-m") + 1] == "uniform:n=4,sampler=random"
 
 
 def test_make_knows_the_target() -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from aliascope.cli.shared import Json, app, print_json
-from aliascope.errors import InvalidInput
+from aliascope.errors import Interrupted, InvalidInput
 
 if TYPE_CHECKING:
     from aliascope.studies.regress import Asked
@@ -66,14 +66,17 @@ def regress(
         command=shlex.join(["aliascope", *sys.argv[1:]]),
         options=_options(time_limit),
     )
-    if bless is not None:
-        if junit or markdown:
-            raise InvalidInput("--bless renders and keeps, and tests nothing that --junit or --markdown could hold")
-        _bless(asked, bless, reason or "", as_json)
-    elif reason is not None:
+    if bless is not None and (junit or markdown):
+        raise InvalidInput("--bless renders and keeps, and tests nothing that --junit or --markdown could hold")
+    if bless is None and reason is not None:
         raise InvalidInput("--reason says why something is blessed: name it with --bless PATTERN")
-    else:
-        _run(asked, out, (junit, markdown), quiet, as_json)
+    try:
+        if bless is not None:
+            _bless(asked, bless, reason or "", as_json)
+        else:
+            _run(asked, out, (junit, markdown), quiet, as_json)
+    except KeyboardInterrupt as error:  # which would end with 1, as if a check had failed
+        raise Interrupted("interrupted: nothing was tested to the end") from error
 
 
 def _options(time_limit: float) -> tuple[str, ...]:

@@ -257,6 +257,9 @@ def _escaped(value: str) -> str:
     return " ".join(value.split())
 
 
+HISTORY = "history.sqlite"
+
+
 # --- writing ----------------------------------------------------------------------------------------------------------
 
 

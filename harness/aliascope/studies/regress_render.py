@@ -13,10 +13,10 @@ from aliascope.regression.observe import Observer, Part, Target, observed
 from aliascope.regression.records import Draw, Observed
 from aliascope.renderers.base import Request, filter_of
 from aliascope.scene_io import SceneFile
-from aliascope.studies.regress_suite import Cell
+from aliascope.studies.regress_suite import Cell, kind_of
 from aliascope.workers import Task, Workers
 
-IDLE_ABREAST = 8
+IDLE_ABREAST = 6
 """Pictures of a renderer that idles that are made side by side, beside those of the others."""
 
 IDLE_PART, BUSY_PART = 4, 16
@@ -95,7 +95,9 @@ def rendered(
 
 
 def _weight(work: Work) -> float:
-    """Roughly what it takes, so that the longest begin first: light that bounces takes most."""
+    """Roughly what it takes, so that the longest begin first: light that bounces, and files that are long to read."""
+    if renderers.find(work.cell.name.renderer).idles and kind_of(work.cell.file.scene) == "heavy":
+        return 1000.0
     needs = work.cell.file.scene.needs()
     count = work.cell.spec.integer("n") if "n" in work.cell.spec.values else 16
     return count * (30.0 if needs.diffuse_bounces else 3.0 if needs.gloss else 1.0)

@@ -11,13 +11,14 @@ import numpy as np
 
 from aliascope import plan, renderers
 from aliascope.errors import InvalidInput, SpecError, near_misses
-from aliascope.model import Scene
+from aliascope.model import LoadedMesh, Scene
 from aliascope.regression.records import CellName, Draw, Judged
 from aliascope.renderers.base import Renderer, lacks
 from aliascope.scene_io import SceneFile
 from aliascope.specs import Spec, split
 
 REPLICATES = 16
+HEAVY = 20_000
 
 OWEN = "sampler=sobol,sampler.scramble=owen"
 
@@ -44,27 +45,31 @@ SUITE: Mapping[str, Mapping[str, tuple[str, ...]]] = {
         "area light": _EMBREE_SPREAD,
         "frames": _EMBREE_SPREAD,
         "gloss": _EMBREE_SPREAD,
+        "heavy": _EMBREE_FLAT,
         "bounces": (f"uniform:n=64,{OWEN}", "uniform:n=16,sampler=random", "uniform:n=4,sampler=halton"),
     },
     "povray": {
-        "gloss": (),
+        "gloss": ("none",),
+        "heavy": ("am2:depth=3",),
         "plain": ("none", "am1:depth=3", "am2:depth=3", "regular:n=16"),
         "lens": ("focal-blur", f"accumulate:n=4,{OWEN}"),
-        "area light": ("none", "am2:depth=3", f"accumulate:n=4,{OWEN}"),
+        "area light": ("none", f"accumulate:n=4,{OWEN}"),
         "frames": (f"accumulate:n=4,{OWEN}",),
-        "bounces": (),
+        "bounces": ("none",),
     },
     "osmesa": {
-        "gloss": (),
+        "gloss": ("none",),
+        "heavy": ("none",),
         "plain": ("none", "msaa:n=4", *_ACCUMULATE),
         "lens": _ACCUMULATE,
         "area light": _ACCUMULATE,
         "frames": _ACCUMULATE,
-        "bounces": (),
+        "bounces": ("none",),
     },
 }
-"""By renderer and kind of scene (`_kind`): one mode that goes to the integral, with few samples and with more;
-one of each other kind."""
+"""By renderer and kind of scene (`kind_of`): one mode that goes to the integral, with few samples and with more; one of
+each other kind. Where a renderer draws nothing of a kind, one mode stands for the reason. All of it takes 300 s of CPU
+time, a third of that POV-Ray's, and has to end in 4 minutes on two cores."""
 
 UNBIASED: Mapping[str, frozenset[str]] = {
     "random": frozenset({""}),
@@ -119,17 +124,21 @@ def draws_of(renderer: Renderer, mode: Spec, replicates: int = REPLICATES) -> tu
     return (Draw(), *(Draw(shift=(float(right), float(down))) for right, down in shifts))
 
 
-def _kind(scene: Scene) -> str:
-    """As `plan.kind_of`; glossy mirrors, which give samples more dimensions, are no plain scene."""
+def kind_of(scene: Scene) -> str:
+    """As `plan.kind_of`; but glossy mirrors, which give samples more dimensions, are no plain scene, and one of more
+    than HEAVY triangles is heavy: povray takes two seconds to read it, each time."""
     kind = plan.kind_of(scene)
-    return "gloss" if kind == "plain" and scene.needs().gloss else kind
+    if kind != "plain":
+        return kind
+    triangles = sum(len(each.triangles) for each in scene.surfaces if isinstance(each, LoadedMesh))
+    return "gloss" if scene.needs().gloss else "heavy" if triangles > HEAVY else kind
 
 
 def modes_of(renderer: str, scene: Scene, wanted: Sequence[str] = ()) -> list[Spec]:
     """The modes of a scene: those of the suite; or of the words of -m those with a wildcard chosen among these, others
     as they are where the renderer has them. Raises SpecError."""
     found = renderers.find(renderer)
-    own = {spec.text: spec for spec in (renderers.mode_of(found, text) for text in SUITE[renderer][_kind(scene)])}
+    own = {spec.text: spec for spec in (renderers.mode_of(found, text) for text in SUITE[renderer][kind_of(scene)])}
     if not wanted:
         return list(own.values())
     chosen: dict[str, Spec] = {}

@@ -149,7 +149,8 @@ def _problem(cell: CellVerdict) -> list[str]:
     if not sign:
         return _wrapped(told)
     if f"aliascope {command}" == cell.bless:
-        return _wrapped(told.rpartition("; ")[0] or told)
+        short = told.removesuffix("; look at it, and bless it with")
+        return _wrapped(short if short != told else f"{told}, as below")
     return [*_wrapped(f"{told}:"), f"         aliascope {command}"]
 
 
