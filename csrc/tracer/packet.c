@@ -18,8 +18,8 @@ ASC_VECTORISE static void make_rays(const asc_view *view, packet *rays) {
   const double step_x = 2.0 * view->half_width / view->width, step_y = 2.0 * view->half_height / view->height;
   float u[PACKET], v[PACKET];
   for (int i = 0; i < PACKET; i++) {
-    u[i] = (float)(step_x * rays->sample_x[i] - view->half_width);
-    v[i] = (float)(view->half_height - step_y * rays->sample_y[i]);
+    u[i] = (float)(step_x * (rays->sample_x[i] - view->shift[0]) - view->half_width);
+    v[i] = (float)(view->half_height - step_y * (rays->sample_y[i] - view->shift[1]));
   }
   const int perspective = view->projection == ASC_PERSPECTIVE;
   for (int i = 0; i < PACKET; i++) {

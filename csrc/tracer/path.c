@@ -7,8 +7,8 @@
 /* A lane's ray from the eye, again in double. */
 static void eye_ray(const tracer *made, const packet *rays, uint32_t lane, double origin[3], double direction[3]) {
   const asc_view *view = &made->view;
-  const double u = (2.0 * rays->sample_x[lane] / view->width - 1.0) * view->half_width;
-  const double v = (1.0 - 2.0 * rays->sample_y[lane] / view->height) * view->half_height;
+  const double u = (2.0 * (rays->sample_x[lane] - view->shift[0]) / view->width - 1.0) * view->half_width;
+  const double v = (1.0 - 2.0 * (rays->sample_y[lane] - view->shift[1]) / view->height) * view->half_height;
   const int perspective = view->projection == ASC_PERSPECTIVE;
   origin[0] = perspective ? 0.0 : u;
   origin[1] = perspective ? 0.0 : v;
