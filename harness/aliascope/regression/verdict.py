@@ -227,9 +227,9 @@ def _worst(
 # The limits of values are wider than what fresh seeds make of a cell. Measured on Embree: of 128 replicates of 5 modes
 # of seven scenes (42 or fewer where light bounces), and 48 of the two noisiest modes of the others, 16 were drawn for
 # "now" and 16 for "blessed" a thousand times: no least value came to 0.1 of what is granted to it, no largest to 0.7;
-# the variance between replicates fell to 0.7 of what it was at the least. Outliers have the longest tail: of 64 pictures
-# of `highlights`, 10^4 times as bright as the night behind, with random samples, two had 3.3 times the median, and 3
-# times the largest of 16 was exceeded in 3 of 1,000 runs. A firefly is the largest value by far.
+# the variance between replicates fell to 0.7 of what it was at the least. Outliers have the longest tail: two of 64
+# pictures of `highlights`, 10^4 times as bright as the night behind, with random samples, had 3.3 times the median, and
+# 3 times the largest of 16 was exceeded in 3 of 1,000 runs. A firefly is the largest value by far.
 
 
 def _not_finite(observed: Observed) -> Check:
