@@ -6,8 +6,6 @@
 
 #include "scene.h"
 
-#define PACKET 16
-
 /* Rays that were traced, beside those from the eye. */
 typedef struct ray_counts {
   uint64_t reflection; /* along mirrors and in their lobes */
@@ -17,7 +15,6 @@ typedef struct ray_counts {
 
 /* How a lane's path has come to where its ray ends. */
 typedef struct path {
-  double throughput[3]; /* the share of the radiance there that the path brings to the eye, over its chances */
   uint32_t mirrors_left, scatters_left;
   double density; /* with which its last direction was chosen, in a steradian; -1 where there was no choice */
   double mirror,
@@ -36,8 +33,12 @@ typedef struct packet {
   double lens[PACKET][2];                    /* points of the lens, along right and up; set where there is one */
   double time[PACKET];                       /* set where something moves */
   uint32_t lanes;                            /* how many are in use, the first ones */
-  double origin[PACKET][3], direction[PACKET][3]; /* of the rays again, in double; unset where the scene is plain */
-  path paths[PACKET];                             /* likewise */
+  /* Of the rays again, in double; unset where the scene is plain, as what follows. */
+  vectors origin, direction;
+  /* The share of the radiance where a ray ends that its path brings to the eye, over its chances; and what it has
+   * brought. */
+  vectors throughput, gathered;
+  path paths[PACKET]; /* unset where no path goes on */
   double radiance[PACKET][3];
   ray_counts counts;
 } packet;
