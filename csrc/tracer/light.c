@@ -26,18 +26,20 @@ ASC_INLINE void on_parallelogram(const light_source *from, double along_a, doubl
   chosen->seen[lane] = 1.0;
 }
 
-ASC_VECTORISE static void choose_of_parallelogram(const light_source *from, const pairs *u, chosen_points *chosen) {
+ASC_VECTORISE static void choose_of_parallelogram(const light_source *restrict from, const pairs *restrict u,
+                                                  chosen_points *restrict chosen) {
   for (uint32_t lane = 0; lane < PACKET; lane++) on_parallelogram(from, u->row[0][lane], u->row[1][lane], lane, chosen);
 }
 
-ASC_VECTORISE static void choose_of_point(const light_source *from, chosen_points *chosen) {
+ASC_VECTORISE static void choose_of_point(const light_source *restrict from, chosen_points *restrict chosen) {
   for (uint32_t lane = 0; lane < PACKET; lane++) {
     for (int i = 0; i < 3; i++) chosen->place.row[i][lane] = from->given.place[i];
     chosen->seen[lane] = 1.0;
   }
 }
 
-ASC_VECTORISE static void choose_of_disc(const light_source *from, const pairs *u, chosen_points *chosen) {
+ASC_VECTORISE static void choose_of_disc(const light_source *restrict from, const pairs *restrict u,
+                                         chosen_points *restrict chosen) {
   for (uint32_t lane = 0; lane < PACKET; lane++) {
     const double numbers[2] = {u->row[0][lane], u->row[1][lane]};
     double disc[2];
@@ -49,8 +51,8 @@ ASC_VECTORISE static void choose_of_disc(const light_source *from, const pairs *
 /* Of the cap of a sphere that is seen from a point, uniform by area: that with cosines of 1 - share to 1 about the way
  * to the point. It has the area 2 pi r^2 share, and the radiance is pi intensity / (pi r^2). From within the sphere
  * nothing is seen. */
-ASC_VECTORISE static void choose_of_sphere(const light_source *from, const pairs *u, const vectors *seen_from,
-                                           chosen_points *chosen) {
+ASC_VECTORISE static void choose_of_sphere(const light_source *restrict from, const pairs *restrict u,
+                                           const vectors *restrict seen_from, chosen_points *restrict chosen) {
   const asc_light *given = &from->given;
   for (uint32_t lane = 0; lane < PACKET; lane++) {
     const double numbers[2] = {u->row[0][lane], u->row[1][lane]};
@@ -83,7 +85,8 @@ ASC_INLINE double blur(const double chosen[3], const double point[3]) {
   return 128.0 * FLT_EPSILON * largest;
 }
 
-ASC_VECTORISE static void turn_toward(chosen_points *chosen, const vectors *from, light_ways *found) {
+ASC_VECTORISE static void turn_toward(chosen_points *restrict chosen, const vectors *restrict from,
+                                      light_ways *restrict found) {
   for (uint32_t lane = 0; lane < PACKET; lane++) {
     const double place[3] = {chosen->place.row[0][lane], chosen->place.row[1][lane], chosen->place.row[2][lane]};
     const double point[3] = {from->row[0][lane], from->row[1][lane], from->row[2][lane]};
@@ -99,7 +102,7 @@ ASC_VECTORISE static void turn_toward(chosen_points *chosen, const vectors *from
 }
 
 /* The inverse square of the distance, with the cosine at a light that has an area. */
-ASC_VECTORISE static void fall_off(const chosen_points *chosen, int has_area, light_ways *found) {
+ASC_VECTORISE static void fall_off(const chosen_points *restrict chosen, int has_area, light_ways *restrict found) {
   for (uint32_t lane = 0; lane < PACKET; lane++) {
     double leaving = 1.0;
     if (has_area) {

@@ -1,7 +1,5 @@
 #include "meeting.h"
 
-#include <float.h>
-
 #include "frames.h"
 #include "vectorise.h"
 
@@ -147,7 +145,9 @@ static void set_material(const tracer *made, uint32_t lane, meetings *met) {
   static const double black[3] = {0.0};
   const asc_material *material = met->material[lane];
   set_lane(&met->emission, lane, material ? material->emission : made->view.background);
-  if (made->light_count > 0) set_lane(&met->albedo, lane, material ? material->albedo : black);
+  if (made->light_count > 0 || made->transport.bounces > 0)
+    set_lane(&met->albedo, lane, material ? material->albedo : black);
+  if (made->transport.bounces > 0) set_lane(&met->reflection, lane, material ? material->reflection : black);
 }
 
 /* The same flat surface for all lanes. */
@@ -162,6 +162,7 @@ static void take_one(const tracer *made, surface of, meetings *met, search *to) 
     set_lane(&met->normal, lane, facing.normal);
     set_lane(&met->albedo, lane, material.albedo);
     set_lane(&met->emission, lane, material.emission);
+    set_lane(&met->reflection, lane, material.reflection);
   }
 }
 
@@ -197,7 +198,7 @@ static int take_embrees(const tracer *made, const packet *rays, meetings *met, s
 }
 
 /* For all lanes, as along_plane. */
-ASC_VECTORISE static void meet_flat(const packet *rays, const search *with, meetings *met) {
+ASC_VECTORISE static void meet_flat(const packet *restrict rays, const search *restrict with, meetings *restrict met) {
   for (uint32_t i = 0; i < PACKET; i++) {
     const double origin[3] = {rays->origin.row[0][i], rays->origin.row[1][i], rays->origin.row[2][i]};
     const double direction[3] = {rays->direction.row[0][i], rays->direction.row[1][i], rays->direction.row[2][i]};
@@ -236,15 +237,7 @@ static int meet_endless(const tracer *made, const packet *rays, uint32_t lane, m
   return any;
 }
 
-/* Points and sides. Vertices and origin are rounded to 2^-24 of their largest coordinate, and a triangle's plane by a
- * few times that; and Embree's motion is off. */
-ASC_INLINE double lift_of(const double point[3], double slack) {
-  double largest = 0.0;
-  for (int i = 0; i < 3; i++) largest = larger(largest, fabs(point[i]));
-  return 16.0 * FLT_EPSILON * largest + 2.0 * slack;
-}
-
-ASC_VECTORISE static void set_points(const packet *rays, const search *with, meetings *met) {
+ASC_VECTORISE static void set_points(const packet *restrict rays, const search *restrict with, meetings *restrict met) {
   for (uint32_t lane = 0; lane < PACKET; lane++) {
     const double direction[3] = {rays->direction.row[0][lane], rays->direction.row[1][lane],
                                  rays->direction.row[2][lane]};
@@ -252,7 +245,7 @@ ASC_VECTORISE static void set_points(const packet *rays, const search *with, mee
     const double side = dot(normal, direction) > 0.0 ? -1.0 : 1.0;
     double point[3];
     for (int i = 0; i < 3; i++) point[i] = rays->origin.row[i][lane] + met->distance[lane] * direction[i];
-    const double lift = lift_of(point, with->slack[lane]);
+    const double lift = meeting_lift(point, with->slack[lane]);
     for (int i = 0; i < 3; i++) {
       const double facing = normal[i] * side;
       met->normal.row[i][lane] = facing;
@@ -260,6 +253,15 @@ ASC_VECTORISE static void set_points(const packet *rays, const search *with, mee
       met->lifted.row[i][lane] = point[i] + facing * lift;
       met->colour.row[i][lane] = 1.0;
     }
+  }
+}
+
+ASC_VECTORISE static void set_ways_to_eye(const packet *restrict rays, meetings *restrict met) {
+  for (uint32_t lane = 0; lane < PACKET; lane++) {
+    const double direction[3] = {rays->direction.row[0][lane], rays->direction.row[1][lane],
+                                 rays->direction.row[2][lane]};
+    const double length = sqrt(dot(direction, direction));
+    for (int i = 0; i < 3; i++) met->to_eye.row[i][lane] = -direction[i] / length;
   }
 }
 
@@ -290,6 +292,7 @@ int meeting_find(const tracer *made, const packet *rays, meetings *met) {
   set_points(rays, &with, met);
   for (uint32_t lane = 0; lane < PACKET && !with.one; lane++) set_material(made, lane, met);
   if (made->has_patterns) set_colours(made, &with, met);
+  if (made->transport.mirror_bounces > 0) set_ways_to_eye(rays, met);
   return 1;
 }
 
@@ -300,11 +303,6 @@ meeting meeting_of(const meetings *met, uint32_t lane) {
   get_lane(&met->lifted, lane, one.lifted);
   get_lane(&met->colour, lane, one.colour);
   return one;
-}
-
-void meeting_lift(const double point[3], const double normal[3], double slack, double lifted[3]) {
-  const double lift = lift_of(point, slack);
-  for (int i = 0; i < 3; i++) lifted[i] = point[i] + normal[i] * lift;
 }
 
 int meeting_planes_block(const tracer *made, double time, const double origin[3], const double toward[3],

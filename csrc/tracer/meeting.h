@@ -2,6 +2,8 @@
 #ifndef TRACER_MEETING_H
 #define TRACER_MEETING_H
 
+#include <float.h>
+
 #include "packet.h"
 
 typedef struct meeting {
@@ -18,7 +20,8 @@ typedef struct meeting {
  * white, the emission the background's, and the rest any numbers. */
 typedef struct meetings {
   vectors point, normal, lifted, colour;
-  vectors albedo, emission; /* of the materials; the first where there are lights */
+  vectors albedo, emission, reflection; /* of the materials; unset where nothing asks for it */
+  vectors to_eye;                       /* where the ray came from, of length 1; set where there are mirrors */
   alignas(64) double distance[PACKET];
   const asc_material *material[PACKET];
   surface of[PACKET];
@@ -36,8 +39,13 @@ void meeting_colour(const tracer *made, const asc_material *material, const doub
 /* How far Embree's surface may be off, for its motion in straight lines, round a point that it had at time 0. */
 double meeting_slack(const tracer *made, const asc_motion *motion, const double rest[3]);
 
-/* A point of a surface, so far lifted; `slack` as above. */
-void meeting_lift(const double point[3], const double normal[3], double slack, double lifted[3]);
+/* How far a point of a surface is to be lifted; `slack` as above. Vertices and origin are rounded to 2^-24 of their
+ * largest coordinate, and a triangle's plane by a few times that; and Embree's motion is off. */
+static inline double meeting_lift(const double point[3], double slack) {
+  double largest = 0.0;
+  for (int i = 0; i < 3; i++) largest = larger(largest, fabs(point[i]));
+  return 16.0 * FLT_EPSILON * largest + 2.0 * slack;
+}
 
 /* Whether an endless plane lies on the way. */
 int meeting_planes_block(const tracer *made, double time, const double origin[3], const double toward[3],

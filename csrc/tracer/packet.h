@@ -13,14 +13,6 @@ typedef struct ray_counts {
   uint64_t shadow;
 } ray_counts;
 
-/* How a lane's path has come to where its ray ends. */
-typedef struct path {
-  uint32_t mirrors_left, scatters_left;
-  double density; /* with which its last direction was chosen, in a steradian; -1 where there was no choice */
-  double mirror,
-      scatter; /* the chances that it goes on by the reflection, or by the albedo; set once a ray has ended */
-} path;
-
 typedef struct packet {
   alignas(64) struct RTCRayHit16 rays;
   alignas(64) struct RTCRay16 shadows;
@@ -38,10 +30,18 @@ typedef struct packet {
   /* The share of the radiance where a ray ends that its path brings to the eye, over its chances; and what it has
    * brought. */
   vectors throughput, gathered;
-  path paths[PACKET]; /* unset where no path goes on */
+  /* Unset where no path goes on: how many bounces the paths have left; the density with which their last directions
+   * were chosen, in a steradian, -1 where there was no choice; and, once a ray has ended, the chances that its path
+   * goes on by the reflection, or by the albedo. */
+  scalars mirrors_left, scatters_left, density, mirror, scatter;
   double radiance[PACKET][3];
   ray_counts counts;
 } packet;
+
+/* The further numbers of a lane, or of the first for one that is not in use. */
+static inline const double *packet_numbers(const packet *rays, uint32_t lane) {
+  return rays->further[lane < rays->lanes ? lane : 0];
+}
 
 /* Sets what never changes. */
 void packet_begin(packet *rays);
