@@ -41,6 +41,8 @@ C_BENCHES := $(patsubst tests/bench/%.c,$(OBJECTS)/%,$(wildcard tests/bench/benc
 KEPT_RAYS := $(OBJECTS)/kept_rays.so
 BINDINGS := $(BUILD)/bindings.stamp
 PLUGIN := $(BUILD)/plugins/kronecker.so
+DEFECTIVE := $(BUILD)/plugins/repeats.so
+EMBREE_ISA := $(BUILD)/embree_isa.so
 # What is installed carries the major version, as programs that were linked with it keep to that ABI. The Python package
 # has its own copy, under a plain name.
 SONAME := libaliascope.so.$(firstword $(subst ., ,$(VERSION)))
@@ -64,6 +66,16 @@ mitchell: all
 .PHONY: agree
 agree: all
 	@$(VENV)/bin/aliascope agree -o $(RESULTS)/agree
+
+## regress    test that pictures are as good as they were blessed; results in .results/regress
+.PHONY: regress
+regress: all
+	@$(VENV)/bin/aliascope regress -o $(RESULTS)/regress
+
+## power      false alarms of regress, and the defects that it catches: measured; half an hour the first time
+.PHONY: power
+power: all $(DEFECTIVE) $(EMBREE_ISA)
+	@$(VENV)/bin/aliascope power --plugin $(DEFECTIVE) --shim $(EMBREE_ISA) -j $(CORES) -o $(RESULTS)/power
 
 ## test       every test: C (also under sanitizers), Python, browser
 .PHONY: test
@@ -172,6 +184,12 @@ $(BUILD)/plugins/%.so: csrc/plugins/%.c csrc/include/aliascope/*.h
 	@$(call say,building)
 	@$(CC) -shared $(filter-out -fsanitize%,$(CFLAGS)) -Icsrc/include $< -o $@ -lm
 
+# Of these that one alone calls the library.
+$(DEFECTIVE): csrc/plugins/repeats.c csrc/include/aliascope/*.h $(LIBRARIES)/libaliascope.so
+	@mkdir -p $(@D)
+	@$(call say,building)
+	@$(CC) -shared $(filter-out -fsanitize%,$(CFLAGS)) -Icsrc/include $< -L$(LIBRARIES) -laliascope -o $@
+
 # --- C tests and benchmarks -------------------------------------------------------------------------------------------
 
 .PHONY: c-tests $(C_TESTS:%=run-%)
@@ -194,6 +212,11 @@ $(KEPT_RAYS): $(OBJECTS)/kept_rays.o
 	@$(call say,linking) && $(CC) -shared $(CFLAGS) $< -o $@ -Wl,--no-as-needed $(EMBREE) -ldl
 
 $(OBJECTS)/bench_tracer: $(OBJECTS)/kept_rays.o
+
+# Stands before Embree, to choose the instructions that it uses.
+$(EMBREE_ISA): tests/c/embree_isa.c Makefile | $(BUILD)/system.stamp
+	@$(call say,building)
+	@$(CC) -shared $(filter-out -fsanitize%,$(CFLAGS)) $< -o $@ -Wl,--no-as-needed $(EMBREE) -ldl
 
 $(OBJECTS)/bench_%: tests/bench/bench_%.c $(LIBRARY_OBJECTS) $(TRACER_OBJECTS) $(RASTER_OBJECTS) Makefile
 	@$(call say,compiling)

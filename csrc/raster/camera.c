@@ -8,6 +8,8 @@ camera camera_create(const asc_view *view, const double lens[2]) {
     made.lens[i] = lens[i];
     made.skew[i] = lens[i] / view->focus_distance;
   }
+  made.skew[0] += 2.0 * view->half_width * view->shift[0] / view->width;
+  made.skew[1] -= 2.0 * view->half_height * view->shift[1] / view->height;
   made.margin_x = 4.0 / view->width;
   made.margin_y = 4.0 / view->height;
   made.guard_x = 1.5 + 2.0 * made.margin_x;
@@ -48,9 +50,10 @@ size_t camera_clip(const camera *by, const double (*corners)[3], size_t count, c
   double largest = 0.0;
   for (size_t i = 0; i < count; ++i) {
     const double *p = corners[i];
-    const double x = p[0] + by->skew[0] * p[2];
-    const double y = p[1] + by->skew[1] * p[2];
-    clip_vertex v = {x / by->view->half_width, y / by->view->half_height, by->perspective ? p[2] : 1.0, p[2]};
+    const double weight = by->perspective ? p[2] : 1.0;
+    const double x = p[0] + by->skew[0] * weight;
+    const double y = p[1] + by->skew[1] * weight;
+    clip_vertex v = {x / by->view->half_width, y / by->view->half_height, weight, p[2]};
     clipped[i] = v;
     largest = fmax(largest, fmax(fabs(p[0]), fmax(fabs(p[1]), fabs(p[2]))));
   }
@@ -150,8 +153,10 @@ bool camera_sphere(const camera *by, const double centre[3], double radius, rect
     return false;
   }
   if (!by->perspective) {
-    rectangle found = {(centre[0] - radius) / half_width, (centre[1] - radius) / half_height,
-                       (centre[0] + radius) / half_width, (centre[1] + radius) / half_height};
+    const double x = centre[0] + by->skew[0];
+    const double y = centre[1] + by->skew[1];
+    rectangle found = {(x - radius) / half_width, (y - radius) / half_height, (x + radius) / half_width,
+                       (y + radius) / half_height};
     *box = found;
     depth->nearest = fmax(centre[2] - radius, 0.0);
     depth->farthest = centre[2] + radius;

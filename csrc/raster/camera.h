@@ -11,7 +11,9 @@ typedef struct camera {
   const asc_view *view;
   bool perspective;
   double lens[2]; /* the eye's place, along right and up from the middle of the lens; 0 where there is none */
-  double skew[2]; /* what the picture position of a ray has beyond its slope, for the point of the lens: scene.h */
+  /* What the picture position of a ray has beyond its slope, or of an orthographic ray beyond the place where it
+   * starts: for the point of the lens and for the shift of scene.h. */
+  double skew[2];
   /* How far beyond [-1, 1] is kept: half a picture, and at least four pixels, so that no pass moves a cut edge in. */
   double guard_x, guard_y;
   double margin_x, margin_y; /* two pixels: by this a rectangle around a round surface is larger than the surface */

@@ -45,6 +45,32 @@ asc_status raster_describe(char *text, size_t capacity) {
   return with_context(ask_names, &to, NULL);
 }
 
+static asc_status ask_limits(void *answer, asc_error *error) {
+  raster_limits *limits = answer;
+  GLint most = 0, samples = 0, bits = 0;
+  glGetIntegerv(GL_MAX_SAMPLES, &most);
+  glGetIntegerv(GL_SUBPIXEL_BITS, &bits);
+  target one = {0, 0, 0};
+  if (most >= MULTISAMPLES) {
+    asc_status status = target_create(1, 1, MULTISAMPLES, 0, &one, error);
+    if (status != ASC_OK) {
+      return status;
+    }
+    glGetIntegerv(GL_SAMPLES, &samples); /* of the framebuffer, which is bound */
+    target_destroy(&one);
+  }
+  const raster_limits found = {(uint32_t)most, (uint32_t)samples, (uint32_t)bits};
+  *limits = found;
+  return gl_check("asking for its limits", error);
+}
+
+asc_status raster_ask_limits(raster_limits *limits, asc_error *error) {
+  if (!limits) {
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "nowhere to put the limits");
+  }
+  return with_context(ask_limits, limits, error);
+}
+
 static asc_status ask_positions(void *answer, asc_error *error) {
   double *positions = answer;
   target one = {0, 0, 0};

@@ -84,6 +84,14 @@ ASC_API asc_status raster_render(raster *made, const raster_desc *desc, float *p
 /* GL_RENDERER and GL_VERSION of a context, "llvmpipe (...); 4.5 ..." . ASC_UNAVAILABLE as above. */
 ASC_API asc_status raster_describe(char *text, size_t capacity);
 
+/* What OpenGL says of its rasteriser. samples: of a multisample buffer that was asked for 4, 0 where there is none. */
+typedef struct raster_limits {
+  uint32_t max_samples, samples, subpixel_bits;
+} raster_limits;
+
+/* ASC_UNAVAILABLE as above. */
+ASC_API asc_status raster_ask_limits(raster_limits *limits, asc_error *error);
+
 /* The sample positions of the multisample buffer, [4][2], from the left and top border of the pixel. */
 ASC_API asc_status raster_sample_positions(double *positions, asc_error *error);
 

@@ -48,6 +48,9 @@ static asc_status check_view(const asc_view *view, asc_error *error) {
       !(view->half_height > 0.0)) {
     return asc_fail(error, ASC_INVALID_ARGUMENT, "half_width and half_height of the view must be positive and finite");
   }
+  if (!usable(view->shift, 2)) {
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "the shift of the view is not finite or is beyond 1e30");
+  }
   if (!usable(&view->lens_radius, 1) || view->lens_radius < 0.0) {
     return asc_fail(error, ASC_INVALID_ARGUMENT, "the radius of a lens is not negative, and finite");
   }

@@ -126,6 +126,10 @@ typedef struct owen_run {
 #define FOUR(name) name##_v3
 #include "sobol_owen.h"
 #pragma GCC pop_options
+#pragma GCC push_options
+#pragma GCC target("arch=x86-64-v4")
+#include "sobol_owen_sixteen.h"
+#pragma GCC pop_options
 #endif
 
 /* --- one point ------------------------------------------------------------------------------------------------------
@@ -195,6 +199,10 @@ static void make_owen_columns(const quad *of, uint32_t quad_index, asc_key key, 
     width = end - d == 4 ? 4 : end - d >= 2 ? 2 : 1;
     const owen_run run = {of, quad_index, d, width, first, last, points, stride};
 #if ASC_HAS_LEVELS
+    if (ASC_TAKES_V4) {
+      owen_rows_v4(&run, key);
+      continue;
+    }
     if (ASC_TAKES_V3) {
       owen_rows_v3(&run, key);
       continue;

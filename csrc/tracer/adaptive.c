@@ -2,6 +2,8 @@
 
 #include <stdatomic.h>
 
+#include "shine.h"
+
 /* The unit of work: a group that the estimator decides for itself. What it looks at outside is sampled again by the
  * next tile, so that tiles wait for none: a ring round 64 x 64 pixels is 6 % more, of the first samples alone. */
 #define TILE 64u
@@ -25,20 +27,34 @@ typedef struct rays_of_tile {
 /* Sixteen samples in a row are a packet. Which these are follows from the tile alone. */
 static asc_status trace(void *context, size_t count, const asc_pixel *pixels, const double *points, double *values) {
   const rays_of_tile *self = context;
+  const tracer *made = self->made;
   packet *rays = self->rays;
+  double sample_x[PACKET] = {0.0}, sample_y[PACKET] = {0.0}, places[PACKET][2] = {{0.0}}, radiance[PACKET][4];
+  rays->sample_x = sample_x;
+  rays->sample_y = sample_y;
+  rays->lens = (const double(*)[2])places;
+  rays->radiance = radiance;
   for (size_t done = 0; done < count; done += PACKET) {
     rays->lanes = count - done < PACKET ? (uint32_t)(count - done) : PACKET;
-    for (uint32_t i = 0; i < rays->lanes; i++) {
-      const double *point = points + (done + i) * self->dimensions;
-      rays->sample_x[i] = pixels[done + i].x + point[0];
-      rays->sample_y[i] = pixels[done + i].y + point[1];
+    for (uint32_t i = 0; i < PACKET; i++) {
+      const double *point = points + (done + (i < rays->lanes ? i : 0)) * self->dimensions;
       rays->further[i] = point + 2;
+      if (i >= rays->lanes) continue;
+      sample_x[i] = pixels[done + i].x + point[0];
+      sample_y[i] = pixels[done + i].y + point[1];
     }
-    packet_trace(self->made, rays);
+    if (made->view.lens_radius > 0.0)
+      lens_points(&made->lens, rays->lanes, points + done * self->dimensions + 2 + made->further.lens, self->dimensions,
+                  places);
+    packet_cast(made, rays);
+    const sight seen = shine_see(made, rays);
+    if (seen.one)
+      shine_take(made, seen, &(sample_rows){PACKET, sample_x, sample_y, rays->lens, radiance});
+    else if (!shine_take_each(made, rays))
+      packet_shade(made, rays);
     for (uint32_t i = 0; i < rays->lanes; i++)
-      for (uint32_t channel = 0; channel < 3; channel++) values[3 * (done + i) + channel] = rays->radiance[i][channel];
+      for (uint32_t channel = 0; channel < 3; channel++) values[3 * (done + i) + channel] = radiance[i][channel];
   }
-  rays->lanes = 0;
   return ASC_OK;
 }
 

@@ -21,7 +21,8 @@ static asc_status take_view(tracer *made, const asc_view *view, asc_error *error
                     view->height);
   if (!finite3(view->eye) || !finite3(view->right) || !finite3(view->up) || !finite3(view->forward) ||
       !finite3(view->background) || !(view->half_width > 0.0) || !(view->half_height > 0.0) ||
-      !isfinite(view->half_width) || !isfinite(view->half_height))
+      !isfinite(view->half_width) || !isfinite(view->half_height) || !isfinite(view->shift[0]) ||
+      !isfinite(view->shift[1]))
     return asc_fail(error, ASC_INVALID_ARGUMENT, "the view has a number that is not finite, or no extent");
   if (!(view->shutter_open <= view->shutter_close) || !isfinite(view->shutter_open) || !isfinite(view->shutter_close) ||
       (view->response != ASC_RESPONSE_BOX && view->response != ASC_RESPONSE_TRIANGLE))
@@ -146,5 +147,6 @@ asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_erro
   if (status == ASC_OK) status = transport_take(made, scene, error);
   if (status == ASC_OK) status = tracer_take_motions(made, scene, error);
   if (status == ASC_OK) status = lay_out(made, error);
+  made->shines_alone = made->light_count == 0 && made->transport.bounces == 0 && made->motion_count == 0;
   return status;
 }

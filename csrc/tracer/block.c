@@ -3,17 +3,37 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CHUNK 1024 /* samples of a pixel that are drawn at a time */
+#include "shine.h"
+#include "vectorise.h"
 
+#define CHUNK 1024 /* sample_rows of a pixel that are drawn at a time: some patterns are made whole for each call */
+#define BATCH                                                                                                          \
+  1024 /* numbers that are drawn before the rays of their samples are traced, of as many pixels as it takes */
+
+#define MOST_ROWS (PACKET + BATCH / 2 + CHUNK) /* of no full packet, of less than a batch, of what completes it */
+#define PADDED_ROWS (MOST_ROWS + PACKET)       /* the last packet's lanes that are not in use are numbers too */
+
+/* Where in the block's samples, which are those of its pixels one after the other. */
+typedef struct cursor {
+  uint32_t pixel; /* of the block's */
+  uint64_t sample;
+} cursor;
+
+/* Samples that were drawn, and are not added up yet, each a row. */
 struct block_work {
   packet rays;
-  uint32_t pixel[PACKET]; /* of the block's, by lane */
-  double scale[PACKET];   /* N times the sample's weight, by lane: 1 but for quadrature rules */
-  double sum[BLOCK_SIDE * BLOCK_SIDE][3];
-  double weights[CHUNK];
-  double *points;  /* [CHUNK][dimensions] */
-  double *further; /* [PACKET][dimensions - 2]: of samples whose packet is not full yet */
+  alignas(64) double sample_x[PADDED_ROWS];
+  alignas(64) double sample_y[PADDED_ROWS];
+  alignas(64) double lens[PADDED_ROWS][2];     /* where there is one */
+  alignas(64) double radiance[PADDED_ROWS][4]; /* as a packet's */
+  double weights[MOST_ROWS];                   /* N times the samples' weights; not set where they are all 1 */
+  sight sights[PADDED_ROWS / PACKET];          /* by packet */
+  double *points;                              /* [MOST_ROWS][dimensions] */
+  uint32_t dimensions;
+  int weighted;
+  uint64_t samples; /* a pixel */
   block area;
+  film_cell sum[BLOCK_SIDE * BLOCK_SIDE];
   const film *target; /* NULL: samples go to `sum` */
   const film_pixel *cells;
 };
@@ -23,10 +43,9 @@ block_work *block_work_make(const tracer *made) {
   if (!memory) return NULL;
   memset(memory, 0, sizeof *memory);
   packet_begin(&memory->rays);
-  const size_t further = made->further.count;
-  memory->points = malloc(CHUNK * (2 + further) * sizeof(double));
-  if (further) memory->further = malloc(PACKET * further * sizeof(double));
-  if (!memory->points || (further && !memory->further)) {
+  memory->dimensions = tracer_dimensions(made);
+  memory->points = malloc((size_t)MOST_ROWS * memory->dimensions * sizeof(double));
+  if (!memory->points) {
     block_work_free(memory);
     return NULL;
   }
@@ -36,7 +55,6 @@ block_work *block_work_make(const tracer *made) {
 void block_work_free(block_work *memory) {
   if (!memory) return;
   free(memory->points);
-  free(memory->further);
   free(memory);
 }
 
@@ -44,89 +62,167 @@ packet *block_packet(block_work *memory) { return &memory->rays; }
 
 ray_counts block_rays(const block_work *memory) { return memory->rays.counts; }
 
-static void add_to_film(block_work *memory) {
-  const packet *rays = &memory->rays;
-  const block area = memory->area;
-  film_sample samples[PACKET];
-  for (uint32_t i = 0; i < rays->lanes; i++) {
-    const uint32_t number = memory->pixel[i];
-    samples[i] = (film_sample){memory->cells[number], rays->sample_x[i] - (area.x + (int32_t)(number % area.columns)),
-                               rays->sample_y[i] - (area.y + (int32_t)(number / area.columns)), memory->scale[i]};
+static int32_t pixel_x(const block *area, uint32_t pixel) { return area->x + (int32_t)(pixel % area->columns); }
+
+static int32_t pixel_y(const block *area, uint32_t pixel) { return area->y + (int32_t)(pixel / area->columns); }
+
+/* Moves on by at most so many sample_rows of one pixel; gives how many. */
+static size_t advance(cursor *at, uint64_t samples, size_t most) {
+  const uint64_t left = samples - at->sample;
+  if (left > most) {
+    at->sample += most;
+    return most;
   }
-  film_add(memory->target, rays->lanes, samples, rays->radiance);
+  *at = (cursor){at->pixel + 1, 0};
+  return (size_t)left;
 }
 
-/* Lanes of one pixel follow each other: its sum is kept aside meanwhile, as each addition would wait for the store of
- * the one before. */
-static void add_to_sums(block_work *memory) {
-  const packet *rays = &memory->rays;
-  for (uint32_t i = 0; i < rays->lanes;) {
-    const uint32_t number = memory->pixel[i];
-    double *into = memory->sum[number];
-    double red = into[0], green = into[1], blue = into[2];
-    for (; i < rays->lanes && memory->pixel[i] == number; i++) {
-      red += memory->scale[i] * rays->radiance[i][0];
-      green += memory->scale[i] * rays->radiance[i][1];
-      blue += memory->scale[i] * rays->radiance[i][2];
+/* --- samples to rays ------------------------------------------------------------------------------------------------
+ */
+
+/* Where samples lie, from where they lie in their pixel. */
+ASC_VECTORISE static void place(const double *restrict points, size_t stride, size_t count, double x, double y,
+                                double *restrict sample_x, double *restrict sample_y) {
+  if (stride == 2) {
+    for (size_t i = 0; i < count; i++) {
+      sample_x[i] = x + points[2 * i];
+      sample_y[i] = y + points[2 * i + 1];
     }
-    into[0] = red;
-    into[1] = green;
-    into[2] = blue;
+    return;
+  }
+  for (size_t i = 0; i < count; i++) {
+    sample_x[i] = x + points[stride * i];
+    sample_y[i] = y + points[stride * i + 1];
   }
 }
 
-/* Traces what has gathered, and adds it up in the lanes' order. */
-static void flush(const tracer *made, block_work *memory) {
-  packet *rays = &memory->rays;
-  if (rays->lanes == 0) return;
-  packet_trace(made, rays);
-  if (memory->target)
-    add_to_film(memory);
-  else
-    add_to_sums(memory);
-  rays->lanes = 0;
-}
-
-/* All samples of one pixel, into packets that go on with the next pixel where they are not full. */
-static asc_status add_pixel(const tracer *made, const asc_sampler *sampler, uint64_t samples, int32_t x, int32_t y,
-                            uint32_t number, block_work *memory) {
-  packet *rays = &memory->rays;
-  const size_t further = made->further.count;
-  const int weighted = (asc_sampler_traits(sampler) & ASC_TRAIT_WEIGHTED) != 0;
-  for (uint64_t done = 0; done < samples; done += CHUNK) {
-    const uint64_t left = samples - done;
-    const asc_range range = {x, y, done, left < CHUNK ? (size_t)left : CHUNK, 0, tracer_dimensions(made)};
-    asc_status status = asc_sampler_fill(sampler, &range, memory->points);
-    if (status == ASC_OK && weighted) status = asc_sampler_weights(sampler, done, range.sample_count, memory->weights);
-    if (status) return status;
-    for (size_t i = 0; i < range.sample_count; i++) {
-      const uint32_t lane = rays->lanes++;
-      const double *point = memory->points + i * (2 + further);
-      rays->sample_x[lane] = x + point[0];
-      rays->sample_y[lane] = y + point[1];
-      if (further) {
-        double *kept = memory->further + lane * further;
-        memcpy(kept, point + 2, further * sizeof(double));
-        rays->further[lane] = kept;
-      }
-      memory->pixel[lane] = number;
-      memory->scale[lane] = weighted ? (double)samples * memory->weights[i] : 1.0;
-      if (rays->lanes == PACKET) flush(made, memory);
-    }
-  }
+/* Draws sample_rows of one pixel as the rows from `row` on; gives how many. */
+static asc_status draw_pixel(const asc_sampler *sampler, cursor *at, size_t row, block_work *memory, size_t *count) {
+  const cursor from = *at;
+  const int32_t x = pixel_x(&memory->area, from.pixel), y = pixel_y(&memory->area, from.pixel);
+  *count = advance(at, memory->samples, CHUNK);
+  double *points = memory->points + row * memory->dimensions, *weights = memory->weights + row;
+  const asc_range range = {x, y, from.sample, *count, 0, memory->dimensions};
+  asc_status status = asc_sampler_fill(sampler, &range, points);
+  if (status == ASC_OK && memory->weighted) status = asc_sampler_weights(sampler, from.sample, *count, weights);
+  if (status) return status;
+  for (size_t i = 0; memory->weighted && i < *count; i++) weights[i] *= (double)memory->samples;
+  place(points, memory->dimensions, *count, x, y, memory->sample_x + row, memory->sample_y + row);
   return ASC_OK;
 }
 
+/* Draws samples, behind the rows that there are, until a batch is added, or the block's last is; gives all rows. */
+static asc_status draw(const tracer *made, const asc_sampler *sampler, cursor *at, block_work *memory, size_t *rows) {
+  const uint32_t pixels = memory->area.rows * memory->area.columns;
+  const size_t enough = *rows + BATCH / memory->dimensions;
+  while (at->pixel < pixels && *rows < enough) {
+    size_t count;
+    asc_status status = draw_pixel(sampler, at, *rows, memory, &count);
+    if (status) return status;
+    *rows += count;
+  }
+  if (made->view.lens_radius > 0.0)
+    lens_points(&made->lens, *rows, memory->points + 2 + made->further.lens, memory->dimensions, memory->lens);
+  return ASC_OK;
+}
+
+/* Sends the rays of at most PACKET rows. */
+static void cast(const tracer *made, size_t first, uint32_t count, block_work *memory) {
+  packet *rays = &memory->rays;
+  const size_t stride = memory->dimensions;
+  const double *further = memory->points + first * stride + 2;
+  rays->lanes = count;
+  rays->sample_x = memory->sample_x + first;
+  rays->sample_y = memory->sample_y + first;
+  rays->lens = (const double(*)[2])memory->lens + first;
+  rays->radiance = memory->radiance + first;
+  for (size_t i = 0; i < PACKET && stride > 2; i++) rays->further[i] = further + (i < count ? i * stride : 0);
+  packet_cast(made, rays);
+  sight *seen = &memory->sights[first / PACKET];
+  *seen = shine_see(made, rays);
+  if (!seen->one && !shine_take_each(made, rays)) packet_shade(made, rays);
+}
+
+/* Traces the first rows. Many are drawn, then sent, then shaded, then added up: within each of these steps rays do not
+ * wait for each other, so that the machine has several under way. */
+static void trace(const tracer *made, size_t rows, block_work *memory) {
+  for (size_t i = 0; i < rows; i += PACKET) cast(made, i, rows - i < PACKET ? (uint32_t)(rows - i) : PACKET, memory);
+  for (size_t first = 0, end; first < rows; first = end) {
+    const sight seen = memory->sights[first / PACKET];
+    for (end = first + PACKET; end < rows && shine_same(seen, memory->sights[end / PACKET]);) end += PACKET;
+    const sample_rows of = {end - first, memory->sample_x + first, memory->sample_y + first,
+                            (const double(*)[2])memory->lens + first, memory->radiance + first};
+    if (seen.one) shine_take(made, seen, &of);
+  }
+}
+
+/* --- adding up ------------------------------------------------------------------------------------------------------
+ */
+
+static void add_to_film(block_work *memory, cursor *at, size_t rows) {
+  for (size_t first = 0; first < rows; first += FILM_BATCH) {
+    film_sample samples[FILM_BATCH];
+    const size_t count = rows - first < FILM_BATCH ? rows - first : FILM_BATCH;
+    for (size_t i = 0; i < count;) {
+      const uint32_t pixel = at->pixel;
+      const int32_t x = pixel_x(&memory->area, pixel), y = pixel_y(&memory->area, pixel);
+      for (const size_t end = i + advance(at, memory->samples, count - i); i < end; i++)
+        samples[i] =
+            (film_sample){memory->cells[pixel], memory->sample_x[first + i] - x, memory->sample_y[first + i] - y,
+                          memory->weighted ? memory->weights[first + i] : 1.0};
+    }
+    film_add(memory->target, count, samples, (const double(*)[4])memory->radiance + first);
+  }
+}
+
+/* A pixel's sum is kept aside meanwhile, as each addition would wait for the store of the one before. */
+ASC_VECTORISE static void add_rows(const double (*radiance)[4], const double *weights, size_t count, film_cell *into) {
+  film_cell sum = *into;
+  for (size_t i = 0; i < count; i++) {
+    film_cell more;
+    memcpy(&more, radiance[i], sizeof more);
+    sum += weights ? weights[i] * more : more;
+  }
+  *into = sum;
+}
+
+static void add_to_sums(block_work *memory, cursor *at, size_t rows) {
+  for (size_t i = 0, count; i < rows; i += count) {
+    film_cell *into = &memory->sum[at->pixel];
+    count = advance(at, memory->samples, rows - i);
+    add_rows((const double(*)[4])memory->radiance + i, memory->weighted ? memory->weights + i : NULL, count, into);
+  }
+}
+
+/* Moves the rows from `first` on to the front. */
+static void move_rows(block_work *memory, size_t first, size_t count) {
+  const size_t stride = memory->dimensions;
+  memmove(memory->points, memory->points + first * stride, count * stride * sizeof(double));
+  memmove(memory->weights, memory->weights + first, count * sizeof(double));
+  memmove(memory->sample_x, memory->sample_x + first, count * sizeof(double));
+  memmove(memory->sample_y, memory->sample_y + first, count * sizeof(double));
+}
+
+/* All sample_rows of the block's pixels, into packets that go on with the next pixel where they are not full. */
 static asc_status add_pixels(const tracer *made, const asc_sampler *sampler, uint64_t samples, block area,
                              block_work *memory) {
-  memory->rays.lanes = 0;
+  const uint32_t pixels = area.rows * area.columns;
+  cursor drawn = {0, 0}, added = {0, 0};
+  memory->weighted = (asc_sampler_traits(sampler) & ASC_TRAIT_WEIGHTED) != 0;
+  memory->samples = samples;
   memory->area = area;
-  for (uint32_t i = 0; i < area.rows * area.columns; i++) {
-    asc_status status = add_pixel(made, sampler, samples, area.x + (int32_t)(i % area.columns),
-                                  area.y + (int32_t)(i / area.columns), i, memory);
+  for (size_t rows = 0; drawn.pixel < pixels;) {
+    asc_status status = draw(made, sampler, &drawn, memory, &rows);
     if (status) return status;
+    const size_t ready = drawn.pixel < pixels ? rows / PACKET * PACKET : rows;
+    trace(made, ready, memory);
+    if (memory->target)
+      add_to_film(memory, &added, ready);
+    else
+      add_to_sums(memory, &added, ready);
+    rows -= ready;
+    if (rows > 0) move_rows(memory, ready, rows);
   }
-  flush(made, memory);
   return ASC_OK;
 }
 

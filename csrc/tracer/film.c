@@ -80,7 +80,7 @@ static void splat(size_t count, uint32_t side, uint32_t taps, film_cell *const *
   }
 }
 
-void film_add(const film *of, size_t count, const film_sample *samples, const double (*radiance)[3]) {
+void film_add(const film *of, size_t count, const film_sample *samples, const double (*radiance)[4]) {
   double positions[FILM_BATCH * 2 * FILM_TAPS_MOST] = {0.0}, weights[FILM_BATCH * 2 * FILM_TAPS_MOST];
   film_cell *corner[FILM_BATCH], values[FILM_BATCH];
   const size_t taps = of->taps;

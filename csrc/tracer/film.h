@@ -71,7 +71,7 @@ typedef struct film_sample {
 
 /* Adds at most FILM_BATCH samples, in their order. */
 #define FILM_BATCH 16
-void film_add(const film *of, size_t count, const film_sample *samples, const double (*radiance)[3]);
+void film_add(const film *of, size_t count, const film_sample *samples, const double (*radiance)[4]);
 
 /* One past the last row of pixels that are complete when rows [0, row) of tiles are. */
 uint32_t film_complete(const film *of, uint32_t row);

@@ -13,11 +13,30 @@ void lens_make(const asc_view *view, lens *made) {
   }
 }
 
-ASC_VECTORISE static void round_points(size_t count, double radius, const double (*u)[2], double (*points)[2]) {
-  for (size_t i = 0; i < count; i++) {
-    (void)asc_to_disc(u[i], points[i]);
-    points[i][0] *= radius;
-    points[i][1] *= radius;
+#define TILE 64
+
+/* A tile at a time, in columns. Steps of a point wait for each other, so the loop over them is long enough that the
+ * machine has several points under way. */
+ASC_VECTORISE static void round_points(double radius, size_t count, const double *restrict u, size_t stride,
+                                       double (*restrict points)[2]) {
+  for (size_t first = 0; first < count; first += TILE) {
+    const size_t rows = count - first < TILE ? count - first : TILE;
+    double a[TILE], b[TILE];
+    for (size_t i = 0; i < rows; i++) {
+      a[i] = u[(first + i) * stride];
+      b[i] = u[(first + i) * stride + 1];
+    }
+    for (size_t i = 0; i < rows; i++) {
+      const double from[2] = {a[i], b[i]};
+      double to[2];
+      (void)asc_to_disc(from, to);
+      a[i] = radius * to[0];
+      b[i] = radius * to[1];
+    }
+    for (size_t i = 0; i < rows; i++) {
+      points[first + i][0] = a[i];
+      points[first + i][1] = b[i];
+    }
   }
 }
 
@@ -29,10 +48,10 @@ static void polygon_point(const lens *through, const double u[2], double point[2
   for (int i = 0; i < 2; i++) point[i] = out * ((1.0 - share) * from[i] + share * to[i]);
 }
 
-void lens_points(const lens *through, size_t count, const double (*u)[2], double (*points)[2]) {
+void lens_points(const lens *through, size_t count, const double *u, size_t stride, double (*points)[2]) {
   if (!through->blades) {
-    round_points(count, through->radius, u, points);
+    round_points(through->radius, count, u, stride, points);
     return;
   }
-  for (size_t i = 0; i < count; i++) polygon_point(through, u[i], points[i]);
+  for (size_t i = 0; i < count; i++) polygon_point(through, u + i * stride, points[i]);
 }

@@ -16,7 +16,8 @@ typedef struct lens {
 
 void lens_make(const asc_view *view, lens *made);
 
-/* Takes points of the unit square to points of the lens, uniform over it; tracer.h says how. */
-void lens_points(const lens *through, size_t count, const double (*u)[2], double (*points)[2]);
+/* Takes points of the unit square, each `stride` numbers after the one before, to points of the lens, uniform over it;
+ * tracer.h says how. */
+void lens_points(const lens *through, size_t count, const double *u, size_t stride, double (*points)[2]);
 
 #endif

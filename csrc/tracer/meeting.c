@@ -1,5 +1,6 @@
 #include "meeting.h"
 
+#include "arithmetic.h"
 #include "frames.h"
 #include "vectorise.h"
 
@@ -89,7 +90,7 @@ static double along_moving_plane(const tracer *made, uint32_t number, double tim
 }
 
 static double mix_of(const asc_pattern *pattern, const double away[3]) {
-  if (pattern->kind == ASC_PATTERN_ZONE_PLATE) return 0.5 * (1.0 + cos(pattern->scale * dot(away, away)));
+  if (pattern->kind == ASC_PATTERN_ZONE_PLATE) return 0.5 * (1.0 + cosine_of_any(pattern->scale * dot(away, away)));
   double sum = 0.0;
   for (int i = 0; i < 3; i++) sum += floor(pattern->scale * away[i]);
   return sum - 2.0 * floor(0.5 * sum); /* the parity: 0 or 1, for sums of any size and sign */

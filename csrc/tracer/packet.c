@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "path.h"
+#include "vectorise.h"
 
 void packet_begin(packet *rays) {
   rtcInitIntersectContext(&rays->context);
@@ -12,14 +13,14 @@ void packet_begin(packet *rays) {
 }
 
 /* Rays through the lanes' samples. Perspective: from the eye, t is the depth; orthographic: from the eye's plane. */
-static void make_rays(const asc_view *view, packet *rays) {
+ASC_VECTORISE static void make_rays(const asc_view *view, packet *rays) {
   struct RTCRay16 *ray = &rays->rays.ray;
   struct RTCHit16 *hit = &rays->rays.hit;
   const double step_x = 2.0 * view->half_width / view->width, step_y = 2.0 * view->half_height / view->height;
   float u[PACKET], v[PACKET];
   for (int i = 0; i < PACKET; i++) {
-    u[i] = (float)(step_x * rays->sample_x[i] - view->half_width);
-    v[i] = (float)(view->half_height - step_y * rays->sample_y[i]);
+    u[i] = (float)(step_x * (rays->sample_x[i] - view->shift[0]) - view->half_width);
+    v[i] = (float)(view->half_height - step_y * (rays->sample_y[i] - view->shift[1]));
   }
   const int perspective = view->projection == ASC_PERSPECTIVE;
   for (int i = 0; i < PACKET; i++) {
@@ -40,17 +41,14 @@ static void make_rays(const asc_view *view, packet *rays) {
 }
 
 /* From the lens: to where the ray through its middle meets the plane of focus. */
-static void move_to_lens(const tracer *made, packet *rays) {
+ASC_VECTORISE static void move_to_lens(const asc_view *view, packet *rays) {
   struct RTCRay16 *ray = &rays->rays.ray;
-  double u[PACKET][2];
-  for (int i = 0; i < PACKET; i++) memcpy(u[i], rays->further[i] + made->further.lens, sizeof u[i]);
-  lens_points(&made->lens, PACKET, (const double(*)[2])u, rays->lens);
-  const double nearness = 1.0 / made->view.focus_distance;
+  const double(*from)[2] = rays->lens, nearness = 1.0 / view->focus_distance;
   for (int i = 0; i < PACKET; i++) {
-    ray->org_x[i] = (float)rays->lens[i][0];
-    ray->org_y[i] = (float)rays->lens[i][1];
-    ray->dir_x[i] -= (float)(rays->lens[i][0] * nearness);
-    ray->dir_y[i] -= (float)(rays->lens[i][1] * nearness);
+    ray->org_x[i] = (float)from[i][0];
+    ray->org_y[i] = (float)from[i][1];
+    ray->dir_x[i] -= (float)(from[i][0] * nearness);
+    ray->dir_y[i] -= (float)(from[i][1] * nearness);
   }
 }
 
@@ -75,18 +73,15 @@ static void take_emission(const tracer *made, packet *rays) {
   }
 }
 
-void packet_trace(const tracer *made, packet *rays) {
-  for (uint32_t i = 0; i < PACKET; i++) {
-    rays->valid[i] = i < rays->lanes ? -1 : 0;
-    if (i < rays->lanes) continue;
-    rays->sample_x[i] = rays->sample_x[0]; /* not traced; but numbers, for the arithmetic */
-    rays->sample_y[i] = rays->sample_y[0];
-    rays->further[i] = rays->further[0];
-  }
+void packet_cast(const tracer *made, packet *rays) {
+  for (uint32_t i = 0; i < PACKET; i++) rays->valid[i] = i < rays->lanes ? -1 : 0;
   make_rays(&made->view, rays);
-  if (made->view.lens_radius > 0.0) move_to_lens(made, rays);
+  if (made->view.lens_radius > 0.0) move_to_lens(&made->view, rays);
   if (made->motion_count > 0) set_times(made, rays);
   rtcIntersect16(rays->valid, made->scene, &rays->context, &rays->rays);
+}
+
+void packet_shade(const tracer *made, packet *rays) {
   if (made->plain)
     take_emission(made, rays);
   else

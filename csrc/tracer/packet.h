@@ -18,14 +18,7 @@ typedef struct packet {
   alignas(64) struct RTCRay16 shadows;
   alignas(64) int valid[PACKET];    /* which lanes have a ray */
   alignas(64) int shadowed[PACKET]; /* which lanes have a shadow ray */
-  struct RTCIntersectContext context,
-      scattered;                             /* for rays from the eye, and to the lights from what they meet; others */
-  double sample_x[PACKET], sample_y[PACKET]; /* where in the picture, in pixels */
-  const double *further[PACKET];             /* the samples' other numbers, from the third on, as the layout says */
-  double lens[PACKET][2];                    /* points of the lens, along right and up; set where there is one */
-  double time[PACKET];                       /* set where something moves */
-  uint32_t lanes;                            /* how many are in use, the first ones */
-  /* Of the rays again, in double; unset where the scene is plain, as what follows. */
+  /* Of the rays again, in double; unset where the scene is plain, as the rows that follow. */
   vectors origin, direction;
   /* The share of the radiance where a ray ends that its path brings to the eye, over its chances; and what it has
    * brought. */
@@ -34,8 +27,16 @@ typedef struct packet {
    * were chosen, in a steradian, -1 where there was no choice; and, once a ray has ended, the chances that its path
    * goes on by the reflection, or by the albedo. */
   scalars mirrors_left, scatters_left, density, mirror, scatter;
-  double radiance[PACKET][3];
+  struct RTCIntersectContext context,
+      scattered;                     /* for rays from the eye, and to the lights from what they meet; others */
+  const double *sample_x, *sample_y; /* where in the picture, in pixels: numbers for all lanes */
+  const double *further[PACKET]; /* the samples' other numbers, from the third on, as the layout says; those of lanes
+                                    that are not in use are any */
+  const double (*lens)[2];       /* where there is one, [PACKET] points of it, along right and up */
+  double time[PACKET];           /* set where something moves */
+  double (*radiance)[4];         /* [PACKET], the fourth of each not used, so that three of all lanes are read alike */
   ray_counts counts;
+  uint32_t lanes; /* how many are in use, the first ones */
 } packet;
 
 /* The further numbers of a lane, or of the first for one that is not in use. */
@@ -46,7 +47,11 @@ static inline const double *packet_numbers(const packet *rays, uint32_t lane) {
 /* Sets what never changes. */
 void packet_begin(packet *rays);
 
-/* Traces the lanes in use, from sample_x, sample_y and, where the layout has any, `further` to radiance. */
-void packet_trace(const tracer *made, packet *rays);
+/* Sends the rays of the lanes in use from the eye: to sample_x, sample_y and, where the layout has any, by `further`.
+ * `lens` holds numbers for all lanes. */
+void packet_cast(const tracer *made, packet *rays);
+
+/* Then: sets their radiance. */
+void packet_shade(const tracer *made, packet *rays);
 
 #endif

@@ -88,6 +88,7 @@ struct tracer {
   size_t emitter_count;
   uint32_t
       *emitter_of[GEOMETRY_KINDS]; /* by surface, 0 where it does not shine, else one more than its index; or NULL */
+  int shines_alone;                /* no light, bounce or motion: what is seen is what surfaces shine by themselves */
   int plain;                       /* no pattern, light, plane or bounce: what Embree finds is all that shading needs */
   double build_cpu_seconds;
 };

@@ -22,6 +22,15 @@ double tracer_thread_cpu_seconds(void) { return seconds(CLOCK_THREAD_CPUTIME_ID)
 
 uint32_t tracer_embree_version(void) { return RTC_VERSION; }
 
+void tracer_describe(const tracer *made, tracer_kernel *kernel) {
+  const tracer_kernel found = {(uint32_t)rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION), PACKET,
+                               rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)  ? 16
+                               : rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) ? 8
+                                                                                                               : 4,
+                               (rtcGetSceneFlags(made->scene) & RTC_SCENE_FLAG_ROBUST) != 0};
+  *kernel = found;
+}
+
 asc_status tracer_create(const asc_scene *scene, tracer **made, asc_error *error) {
   if (!scene || scene->struct_size != sizeof *scene || !made)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_create: the scene needs its struct_size");

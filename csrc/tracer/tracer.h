@@ -79,7 +79,17 @@ typedef struct tracer_adaptive_desc {
 ASC_API asc_status tracer_render_adaptive(tracer *made, const tracer_adaptive_desc *desc, float *pixels,
                                           uint32_t *counts, tracer_cost *cost, asc_error *error);
 
-/* Embree's version, as 31305 for 3.13.5. */
+/* Embree's version, as 31305 for 3.13.5: the one that this was compiled with. */
 ASC_API uint32_t tracer_embree_version(void);
+
+/* Of the Embree that is loaded, and of how a scene is traced with it. */
+typedef struct tracer_kernel {
+  uint32_t version; /* as above */
+  uint32_t packet;  /* rays that are traced together */
+  uint32_t native;  /* the largest packet that the machine's instructions hold: 4 (SSE), 8 (AVX) or 16 (AVX-512) */
+  uint32_t robust;  /* 1: no ray passes between triangles that share an edge */
+} tracer_kernel;
+
+ASC_API void tracer_describe(const tracer *made, tracer_kernel *kernel);
 
 #endif

@@ -54,12 +54,14 @@ def render(
     threads: int = 1,
     least_seconds: float = 0.0,
     time_limit: float = Request.time_limit,
+    shift: tuple[float, float] = Request.shift,
 ) -> Rendering:
     """One picture, in this process: `pixels` (height, width, 3) float32 linear RGB, row 0 on top, and its `cost`.
 
     `least_seconds`: render again until the CPU time adds up to this, for a steady figure. `time_limit`: seconds on the
-    wall, which POV-Ray is ended after, and which the others look at between renderings. Raises Unsupported where the
-    renderer cannot draw the scene, NotAvailable, JobFailed.
+    wall, which POV-Ray is ended after, and which the others look at between renderings. `shift`: pixels to the right
+    and down by which all that is seen is moved on the film, each from -16 to 16. Raises Unsupported where the renderer
+    cannot draw the scene, NotAvailable, JobFailed.
     """
     file = load_scene(scene) if isinstance(scene, str) else scene
     found = renderers.find(renderer)
@@ -68,7 +70,7 @@ def render(
     if reason:
         raise Unsupported(f"{file.name}: {reason}")
     width, height = size or file.scene.view.size
-    return found.render(Request(file.scene, width, height, spec, seed, threads, least_seconds, time_limit))
+    return found.render(Request(file.scene, width, height, spec, seed, threads, least_seconds, time_limit, shift))
 
 
 def reference(scene: str | SceneFile, *, size: tuple[int, int] | None = None) -> Reference:

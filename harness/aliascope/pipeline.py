@@ -74,11 +74,15 @@ def counts_path(picture: str) -> str:
     return picture.removesuffix(".exr") + ".counts.exr"
 
 
-def provenance(job: Job, rendering: Rendering, versions: Mapping[str, str]) -> dict[str, str]:
-    """The header of a picture's file."""
+def provenance(
+    job: Job, rendering: Rendering, versions: Mapping[str, str], shift: tuple[float, float] = Request.shift
+) -> dict[str, str]:
+    """The header of a picture's file. A picture that was moved on the film says by how much, and has not the job's key,
+    which is that of the picture in its place."""
     shown = {**versions, **plugin_versions(mode_of(job))}
+    moved = shift != Request.shift
     return {
-        "key": job.key,
+        **({"shift": _pair(shift)} if moved else {"key": job.key}),
         "scene": job.scene,
         "renderer": job.renderer,
         "mode": job.mode,
@@ -87,15 +91,22 @@ def provenance(job: Job, rendering: Rendering, versions: Mapping[str, str]) -> d
         "cpu_seconds": f"{rendering.cost.cpu_seconds:.6g}",
         "versions": ", ".join(f"{name} {value}" for name, value in sorted(shown.items())),
         "revision": places.revision(),
-        "command": repeat_command(job),
+        "command": repeat_command(job, shift=shift),
     }
 
 
-def repeat_command(job: Job, time_limit: float = Request.time_limit) -> str:
+def _pair(shift: tuple[float, float]) -> str:
+    """As `aliascope render --shift` takes it."""
+    return ",".join(repr(float(pixels)) for pixels in shift)
+
+
+def repeat_command(job: Job, time_limit: float = Request.time_limit, shift: tuple[float, float] = Request.shift) -> str:
     """The command that renders a job again, alone, with the plugins that its mode names."""
     scene = job.scene if Path(job.scene_path).parent == places.SCENES else job.scene_path
     words = ["aliascope", "render", scene, "-r", job.renderer, "-m", job.mode, "--seed", str(job.seed)]
     words += ["--size", f"{job.width}x{job.height}", "-o", "out.exr"]
+    if shift != Request.shift:
+        words += ["--shift", _pair(shift)]
     if time_limit != Request.time_limit:
         words += ["--time-limit", f"{time_limit:g}"]
     for path in dict.fromkeys(plugin.path for plugin in plugins_of(mode_of(job)).values()):

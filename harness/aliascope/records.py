@@ -118,7 +118,8 @@ class ModeRow:
     `mode` is the canonical spec, `label` the same for people to read, with its defaults named.
     `family` groups modes that differ in their sample count alone ("embree uniform sobol:scramble=owen"), for lines in
     plots. `pixels` is the picture of the first seed, `counts` the samples of its pixels, where they differ; `metrics`
-    maps "rmse" and the like to their estimates.
+    maps "rmse" and the like to their estimates. `p_values` (height, width, 3) are those of the mean of all pictures
+    against the reference, where a test made them.
     """
 
     renderer: str
@@ -132,6 +133,7 @@ class ModeRow:
     pixels: Pixels
     quantum: float = 0.0
     counts: Counts | None = None
+    p_values: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,7 @@ static void test_bad_scenes_are_refused(void **state) {
   REFUSED(s->scene.view.half_height = (double)NAN, "half_height");
   REFUSED(s->scene.view.eye[1] = (double)INFINITY, "eye");
   REFUSED(s->scene.view.background[2] = (double)NAN, "background");
+  REFUSED(s->scene.view.shift[0] = (double)NAN, "shift");
   REFUSED(s->scene.view.up[1] = 2.0, "orthonormal");
   REFUSED(s->scene.view.right[0] = (double)NAN, "orthonormal");
   REFUSED(s->scene.view.projection = (asc_projection)2, "projection");
@@ -180,6 +181,12 @@ static void test_it_says_what_it_is(void **state) {
   assert_int_equal(strlen(text), 3);
   assert_int_equal(raster_describe(NULL, 4), ASC_INVALID_ARGUMENT);
   assert_int_equal(raster_sample_positions(NULL, NULL), ASC_INVALID_ARGUMENT);
+  raster_limits limits = {0, 0, 0};
+  assert_int_equal(raster_ask_limits(&limits, NULL), ASC_OK);
+  assert_true(limits.max_samples >= limits.samples);
+  assert_int_equal(limits.samples, 4);
+  assert_true(limits.subpixel_bits >= 4); /* OpenGL 4.5, table 23.54: the least that there may be */
+  assert_int_equal(raster_ask_limits(NULL, NULL), ASC_INVALID_ARGUMENT);
 }
 
 int main(void) {

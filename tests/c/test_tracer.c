@@ -68,6 +68,20 @@ static void render(const asc_scene *scene, const char *spec, uint64_t samples, u
   render_filtered(scene, spec, samples, NULL, threads, pixels, cost);
 }
 
+static void it_says_how_it_traces(void **state) {
+  (void)state;
+  asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(6, 4)};
+  tracer *made = NULL;
+  assert_int_equal(tracer_create(&scene, &made, NULL), ASC_OK);
+  tracer_kernel kernel = {0, 0, 0, 0};
+  tracer_describe(made, &kernel);
+  assert_int_equal(kernel.version, tracer_embree_version());
+  assert_int_equal(kernel.packet, 16);
+  assert_true(kernel.native == 4 || kernel.native == 8 || kernel.native == 16);
+  assert_int_equal(kernel.robust, 1);
+  tracer_destroy(made);
+}
+
 /* A red triangle that covers pixel (1, 0) wholly and pixel (0, 3) not at all: a picture that is mirrored, transposed or
  * upside down shows it. */
 static void pixels_are_where_they_should_be(void **state) {
@@ -273,6 +287,10 @@ static void broken_scenes_are_refused(void **state) {
   scene.view.width = 0;
   assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
   scene.view.width = 8;
+  scene.view.shift[1] = NAN;
+  assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
+  assert_non_null(strstr(error.text, "not finite"));
+  scene.view.shift[1] = 0;
   scene.view.lens_radius = 0.5; /* orthographic, and not focused */
   assert_int_equal(tracer_create(&scene, &made, &error), ASC_INVALID_ARGUMENT);
   assert_non_null(strstr(error.text, "focused"));
@@ -516,7 +534,7 @@ static void samples_stay_within_reach(void **state) {
       (void)film_begin(&target, 0, 0);
       const film_pixel first = film_at(&target, 0, 0, 0, 0), last = film_at(&target, 0, 0, 15, 15);
       const film_sample sample = {last, 0.05 * place, 0.05 * place, 1.0};
-      const double light[1][3] = {{INFINITY, INFINITY, INFINITY}};
+      const double light[1][4] = {{INFINITY, INFINITY, INFINITY, 0.0}};
       film_add(&target, 1, &sample, light);
       const int32_t side = (int32_t)target.side, least = side - 2 * target.reach - 1;
       const film_cell *cells = first.weighted - (ptrdiff_t)target.reach * (side + 1);
@@ -532,6 +550,7 @@ static void samples_stay_within_reach(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(it_says_how_it_traces),
       cmocka_unit_test(pixels_are_where_they_should_be),
       cmocka_unit_test(threads_do_not_change_a_bit),
       cmocka_unit_test(discs_and_spheres_have_their_areas),

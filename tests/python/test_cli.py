@@ -162,14 +162,14 @@ def test_a_scene_that_a_renderer_cannot_draw(tmp_path: Path) -> None:
 
 
 def test_doctor_measures_what_is_there(tmp_path: Path) -> None:
-    document = json.loads(run("doctor", "--json").stdout)
+    document = json.loads(run("doctor", "--quick", "--json").stdout)
     for entry in document["renderers"]:
         assert entry["holds"]
         assert max(map(abs, entry["centre"])) < 0.005
         assert abs(entry["gain"] - 1) < 1e-4
         assert abs(entry["gamma"] - 1) < 1e-4
-    assert run("doctor").stdout.count("pictures can be compared") == 3
-    without = json.loads(run("doctor", "--json", env=environment(tmp_path, alone=True)).stdout)
+    assert run("doctor", "--quick").stdout.count("pictures can be compared") == 3
+    without = json.loads(run("doctor", "--quick", "--json", env=environment(tmp_path, alone=True)).stdout)
     assert [entry["there"] for entry in without["renderers"]] == [True, False, True]
 
 
@@ -180,6 +180,6 @@ def test_doctor_finds_a_picture_that_is_bent_or_moved(tmp_path: Path, spoil: str
     """POV-Ray through a script that writes its file with a gamma, or moves its camera by 0.03 pixel."""
     real = shutil.which("povray")
     folder = fake_povray.install(tmp_path / "bin", f'[ -f scene.pov ] && {{ {spoil} :; }}; exec {real} "$@" {option}')
-    result = run("doctor", code=1, env=environment(folder))
+    result = run("doctor", "--quick", code=1, env=environment(folder))
     assert result.stdout.count("PICTURES CANNOT BE COMPARED") == 1
     assert result.stdout.count("pictures can be compared") == 2

@@ -37,7 +37,7 @@ def test_a_new_renderer_is_probed_in_the_mode_that_it_names(
     monkeypatch: pytest.MonkeyPatch, renderer: Fourth, holds: bool
 ) -> None:
     monkeypatch.setattr(renderers, "RENDERERS", {renderer.name: renderer})
-    document = doctor.examine()
+    document = doctor.examine(quick=True)
     (entry,) = document["renderers"]
     assert entry["mode"] == renderer.probe_mode
     assert entry["holds"] is holds

@@ -283,7 +283,7 @@ def test_its_range_is_what_povray_draws(monkeypatch: pytest.MonkeyPatch) -> None
         camera = scene.camera.model_copy(update={"eye": (0.0, 0.0, 0.0), "look_at": (0.0, 0.0, -1.0)})
         scenes.append(scene.model_copy(update={"camera": camera}))
     reasons = [RENDERER.unable(scene, mode("none")) for scene in scenes]
-    monkeypatch.setattr(povray, "out_of_reach", lambda _: None)
+    monkeypatch.setattr(povray, "out_of_reach", lambda *_: None)
     for distance, reason, rendering in zip(distances, reasons, render_all(scenes), strict=True):
         assert (rendering.pixels.max() == 1.0) == (reason is None)
         assert (reason is None) == (NEAREST < distance < FARTHEST)

@@ -1,7 +1,8 @@
 /* The scene as the two renderers written in C take it: plain arrays in world coordinates, in double.
  *
  * World: right-handed, y up. Pictures: row 0 on top, pixel (x, y) covers [x, x+1) x [y, y+1), so the picture position
- * (px, py) lies at (2 px / width - 1) half_width along `right` and (1 - 2 py / height) half_height along `up`.
+ * (px, py) lies at (2 px / width - 1) half_width along `right` and (1 - 2 py / height) half_height along `up`; a
+ * view with a shift sees there what it would have seen at (px, py) less the shift.
  * Shading: pattern(p) (emission + albedo sum over lights of intensity max(0, n . l) visibility), pattern(p) being 1
  * where a material has none, n the geometric normal turned toward the viewer: light from the other side gives 0. To it
  * come reflection (what is seen along the mirrored ray, or in its lobe) and, with diffuse bounces, pattern(p) albedo /
@@ -27,6 +28,9 @@ typedef struct asc_view {
   uint32_t width, height; /* pixels */
   double eye[3], right[3], up[3], forward[3];
   double half_width, half_height;
+  /* Pixels to the right and down by which all that is seen is moved on the film: pixel (x, y) covers [x - shift[0], x +
+   * 1 - shift[0]) of the unmoved picture, and so for y. A move of the film alone: the eye and what is in focus stay. */
+  double shift[2];
   double background[3]; /* linear RGB */
   /* A thin lens in the plane through `eye`, whose points are sharp at the depth focus_distance along `forward`: from
    * the lens point (x, y) along right and up the ray goes along forward + (u - x / focus_distance) right + (v - y /

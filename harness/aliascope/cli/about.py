@@ -36,15 +36,24 @@ def list_(
             typer.echo(f"    {key}")
 
 
-@app.command(epilog="Example: aliascope doctor")
-def doctor(as_json: Json = False) -> None:
-    """Say what is installed, and measure where each renderer has its pixels and whether its output is linear.
+@app.command(epilog="Example: aliascope doctor -r povray")
+def doctor(
+    renderer: Annotated[list[str] | None, typer.Option("-r", help="Renderer; may stand several times.")] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="One picture of each: its pixel centres, its response.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Say what is installed, and measure the conventions of each renderer that comparisons rest on.
 
-    Ends with 1 where a renderer's pictures cannot be compared.
+    Where it has its pixels, what becomes of a level, what its samples weigh, whether a picture comes out the same
+    again; and what that means. Ends with 1 where a renderer's pictures cannot be compared.
     """
     from aliascope.studies.doctor import examine, lines_of
+    from aliascope.studies.progress import progress_bar
 
-    document = examine()
+    with progress_bar() as tell:
+        document = examine(renderer or (), quick, tell)
     if as_json:
         print_json(document)
     else:

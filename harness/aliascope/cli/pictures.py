@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from aliascope.cli.shared import Json, Seed, Size, app, print_json, size_of
+from aliascope.cli.shared import Json, Seed, Size, app, print_json, shift_of, size_of
 from aliascope.native.samplers import ARRANGEMENTS
 
 
@@ -35,13 +35,23 @@ def render(
         Path | None,
         typer.Option(metavar="COUNTS.exr", help="Of an adaptive mode: the samples of each pixel, in one channel."),
     ] = None,
+    shift: Annotated[
+        str | None,
+        typer.Option(
+            metavar="RIGHT,DOWN",
+            help="Moves all that is seen on the film by so many pixels to the right and down, each from -16 to 16; "
+            "the samples stay where they are in their pixels. For replicates of a mode without a seed.",
+        ),
+    ] = None,
     time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds until the renderer gives up.")] = 600.0,
     as_json: Json = False,
 ) -> None:
     """Render one scene with one renderer and mode, and say what it cost."""
     from aliascope.studies.single import render_file
 
-    summary = render_file(scene, renderer, mode, out, seed, size_of(size), threads, time_limit, counts, dimensions)
+    summary = render_file(
+        scene, renderer, mode, out, seed, size_of(size), threads, time_limit, counts, dimensions, shift_of(shift)
+    )
     if as_json:
         print_json(summary)
     else:

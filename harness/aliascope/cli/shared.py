@@ -65,5 +65,18 @@ def size_of(text: str | None) -> tuple[int, int] | None:
     return size
 
 
+def shift_of(text: str | None) -> tuple[float, float]:
+    """Pixels to the right and down; how many there may be, `Request` says."""
+    if text is None:
+        return 0.0, 0.0
+    right, comma, down = text.partition(",")
+    try:
+        if comma:
+            return float(right), float(down)
+    except ValueError:
+        pass
+    raise InvalidInput(f'--shift "{text}" is not of the form RIGHT,DOWN, such as 0.25,-0.4')
+
+
 def print_json(document: Any) -> None:
     typer.echo(json.dumps(document, allow_nan=False))

@@ -21,9 +21,19 @@ MOST_SHADOW_TESTS = 1024
 """RASTER_MOST_SHADOW_TESTS of raster.h: surfaces x lights of a scene with lights."""
 
 
+_own_threads = 0
+"""Of llvmpipe: 0 draws in the calling thread, whose time is what is measured."""
+
+
+def use_own_threads(count: int) -> None:
+    """Has llvmpipe draw in so many threads of its own. Only before anything else of this module in the process: Mesa
+    looks once, when the first context is made."""
+    global _own_threads
+    _own_threads = count
+
+
 def _library() -> Any:
-    # Mesa reads it once, when the first context is made: 0 draws in the calling thread, whose time is what is measured.
-    os.environ["LP_NUM_THREADS"] = "0"
+    os.environ["LP_NUM_THREADS"] = str(_own_threads)
     return module("_raster", "OSMesa (Debian: libosmesa6)")
 
 
@@ -48,6 +58,23 @@ def sample_positions() -> NDArray[np.float64]:
     box = error_box(library.ffi)
     check(library, library.lib.raster_sample_positions(library.ffi.from_buffer("double[]", positions), box), box)
     return positions
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What OpenGL says: GL_MAX_SAMPLES, the samples of a multisample buffer that was asked for 4, GL_SUBPIXEL_BITS."""
+
+    max_samples: int
+    samples: int
+    subpixel_bits: int
+
+
+def limits() -> Limits:
+    """Of a context. Raises NotAvailable."""
+    library = _library()
+    found, box = library.ffi.new("raster_limits *"), error_box(library.ffi)
+    check(library, library.lib.raster_ask_limits(found, box), box)
+    return Limits(int(found.max_samples), int(found.samples), int(found.subpixel_bits))
 
 
 @dataclass(frozen=True)
@@ -80,12 +107,12 @@ class RasterCost:
 
 
 class Raster:
-    """A scene, loaded into a context of its own for one size of picture. Raises NotAvailable, InvalidInput, and
-    Unsupported where shadows need more than MOST_SHADOW_TESTS."""
+    """A scene, loaded into a context of its own for one size of picture, which is moved by `shift` pixels to the right
+    and down. Raises NotAvailable, InvalidInput, and Unsupported where shadows need more than MOST_SHADOW_TESTS."""
 
-    def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
+    def __init__(self, scene: Scene, size: tuple[int, int], shift: tuple[float, float] = (0.0, 0.0)) -> None:
         library = _library()
-        packed, keep = pack(library.ffi, scene, size)
+        packed, keep = pack(library.ffi, scene, size, shift)
         out, box = library.ffi.new("raster **"), error_box(library.ffi)
         check(library, library.lib.raster_create(packed, out, box), box)
         keep.clear()

@@ -28,9 +28,12 @@ from aliascope.model import (
 )
 
 
-def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]:
+def pack(
+    ffi: Any, scene: Scene, size: tuple[int, int], shift: tuple[float, float] = (0.0, 0.0)
+) -> tuple[Any, list[Any]]:
     """An `asc_scene *` and what must live as long as it is used. The scene has only what a renderer written in C draws.
 
+    shift: pixels to the right and down by which the picture is moved on the film.
     Raises ValueError for a polygon that is not planar and simple.
     """
     scene = motion.stilled(scene)
@@ -42,6 +45,7 @@ def pack(ffi: Any, scene: Scene, size: tuple[int, int]) -> tuple[Any, list[Any]]
     view.projection = projections["ASC_PERSPECTIVE" if frame.perspective else "ASC_ORTHOGRAPHIC"]
     view.width, view.height = frame.width, frame.height
     view.half_width, view.half_height = frame.half_width, frame.half_height
+    view.shift = list(shift)
     for name in ("eye", "right", "up", "forward"):
         setattr(view, name, list(getattr(frame, name)))
     view.background = list(scene.view.background)

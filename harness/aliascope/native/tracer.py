@@ -29,9 +29,24 @@ def _library() -> Any:
 
 
 def embree_version() -> str:
-    """ "3.13.5". Raises NotAvailable."""
-    number = int(_library().lib.tracer_embree_version())
+    """ "3.13.5", with which the library was compiled. Raises NotAvailable."""
+    return _version(int(_library().lib.tracer_embree_version()))
+
+
+def _version(number: int) -> str:
     return f"{number // 10000}.{number // 100 % 100}.{number % 100}"
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """Of the Embree that is loaded: its version; the rays that are traced together; the largest packet that the
+    machine's instructions hold, 4 (SSE), 8 (AVX) or 16 (AVX-512); whether no ray passes between triangles that share an
+    edge."""
+
+    version: str
+    packet: int
+    native: int
+    robust: bool
 
 
 @dataclass(frozen=True)
@@ -50,11 +65,12 @@ class TracerCost:
 
 
 class Tracer:
-    """A scene, built for one size of picture. Raises NotAvailable, InvalidInput."""
+    """A scene, built for one size of picture, which is moved by `shift` pixels to the right and down. Raises
+    NotAvailable, InvalidInput."""
 
-    def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
+    def __init__(self, scene: Scene, size: tuple[int, int], shift: tuple[float, float] = (0.0, 0.0)) -> None:
         library = _library()
-        packed, keep = pack(library.ffi, scene, size)
+        packed, keep = pack(library.ffi, scene, size, shift)
         out, box = library.ffi.new("tracer **"), error_box(library.ffi)
         check(library, library.lib.tracer_create(packed, out, box), box)
         keep.clear()
@@ -75,6 +91,13 @@ class Tracer:
         sizes = library.ffi.new("uint32_t[]", int(count[0]))
         library.lib.tracer_groups(self._handle, sizes, count)
         return tuple(sizes)
+
+    @property
+    def kernel(self) -> Kernel:
+        """How it is traced."""
+        found = self._library.ffi.new("tracer_kernel *")
+        self._library.lib.tracer_describe(self._handle, found)
+        return Kernel(_version(int(found.version)), int(found.packet), int(found.native), bool(found.robust))
 
     def render(
         self,

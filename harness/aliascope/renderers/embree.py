@@ -82,7 +82,7 @@ class Embree:
     def render(self, request: Request) -> Rendering:
         """The time limit is looked at between repeats only."""
         started = time.monotonic()
-        built = tracer.Tracer(request.scene, (request.width, request.height))
+        built = tracer.Tracer(request.scene, (request.width, request.height), request.shift)
         pixels, counts, first = _draw(built, request)
         cpu_seconds, wall_seconds, repeats = first.cpu_seconds, first.wall_seconds, 1
         while cpu_seconds < request.least_seconds and time.monotonic() - started < request.time_limit:

@@ -144,7 +144,7 @@ class OSMesa:
         """Draws in the calling thread; `threads` is not used. The time limit is looked at between repeats only."""
         started = time.monotonic()
         passes = passes_of(request.mode, request.scene, request.seed)
-        drawn = raster.Raster(request.scene, (request.width, request.height))
+        drawn = raster.Raster(request.scene, (request.width, request.height), request.shift)
         cpu_seconds = wall_seconds = 0.0
         repeats = 0
         while repeats == 0 or cpu_seconds < request.least_seconds:

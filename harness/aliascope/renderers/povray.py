@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,7 +25,7 @@ from aliascope.model import LARGEST_AREA, Scene
 from aliascope.motion import no_still
 from aliascope.records import Cost, Pixels, Rendering
 from aliascope.renderers.base import Request, lacks
-from aliascope.renderers.povray_frames import Frames, frames_of, looked_at, moments
+from aliascope.renderers.povray_frames import Frames, frames_of, looked_at, moments, moved
 from aliascope.renderers.povray_light import lighting_of
 from aliascope.renderers.povray_limits import out_of_reach
 from aliascope.renderers.povray_modes import (
@@ -68,7 +68,8 @@ class _Output:
 
 @dataclass(frozen=True)
 class _Job:
-    """One program run, but for its frames: the size is that of the canvas. processes: runs at most that share them."""
+    """One program run, but for its frames: the size is that of the canvas. processes: runs at most that share them;
+    tile: see PovRay."""
 
     path: str
     folder: Path
@@ -77,10 +78,14 @@ class _Job:
     options: tuple[str, ...]
     output: _Output
     processes: int
+    tile: int
 
 
 class PovRay:
-    """The renderer; see `aliascope.renderers.base.Renderer` for what its members promise."""
+    """The renderer; see `aliascope.renderers.base.Renderer` for what its members promise.
+
+    tile: the side of the squares that it renders one after the other, in pixels, on which what +AM1 draws depends.
+    """
 
     name = "povray"
     title = "POV-Ray"
@@ -103,6 +108,9 @@ class PovRay:
         "diffuse bounces": "POV-Ray's radiosity interpolates between places, an error that more samples leave",
     }
 
+    def __init__(self, tile: int = 32) -> None:
+        self.tile = tile
+
     def versions(self) -> Mapping[str, str]:
         """The version that the povray on the PATH states."""
         return {"povray": version(executable())}
@@ -116,7 +124,7 @@ class PovRay:
             return f"POV-Ray here draws frames of still scenes: {moving}"
         frames = looked_at(scene)
         peak = lighting_of(scene, frames).peak
-        return too_bright(peak) or next(filter(None, map(out_of_reach, moments(scene, frames.times))), None)
+        return too_bright(peak) or _lost(scene, frames)
 
     def seeded(self, mode: Spec) -> bool:
         """Only for a randomised sampler of `accumulate`: POV-Ray's own jitter is a hash of the position."""
@@ -132,7 +140,7 @@ class PovRay:
         start = time.monotonic()
         size = (request.width, request.height)
         _check(self, request)
-        frames = frames_of(request.mode, request.seed, request.scene)
+        frames = moved(frames_of(request.mode, request.seed, request.scene), request.shift)
         output = _output_for(request.scene, frames)
         count, side = len(frames.weights), grid_side(request.mode) or 1
         path = executable()
@@ -144,12 +152,16 @@ class PovRay:
             folder = Path(name)
             options = (
                 *antialiasing(request.mode, output.exposure),
+                *_part(size, frames),
                 f"+WT{1 if frames.grid.jitter else request.threads}",
             )
-            job = _Job(path, folder, side * size[0], side * size[1], options, output, processes(request.scene, count))
+            width, height = (side * (n + abs(more)) for n, more in zip(size, frames.further, strict=True))
+            runs = processes(request.scene, count)
+            job = _Job(path, folder, width, height, options, output, runs, self.tile)
             _write(folder, request, output.exposure, frames)
             statistics = _run(job, count, request.time_limit)
-            pixels = _box_averaged(_weighted_mean(job, frames.weights), side, output.exposure)
+            drawn = _cut_out(_weighted_mean(job, frames.weights), frames)
+            pixels = _box_averaged(drawn, side, output.exposure)
             seconds = sum(frame.cpu_seconds for frame in statistics)
             if seconds < request.least_seconds and count <= MOST_FRAMES:
                 wanted = math.ceil(request.least_seconds / max(seconds, CLOCK_STEP)) - 1
@@ -167,6 +179,11 @@ def too_bright(peak: float) -> str | None:
     return (
         None if peak <= LARGEST_HALF else f"POV-Ray's pictures end at {LARGEST_HALF:g}, and this one may reach {peak:g}"
     )
+
+
+def _lost(scene: Scene, frames: Frames, wider: tuple[float, float] = (1.0, 1.0)) -> str | None:
+    """Why POV-Ray would leave out a part of the scene in one of the frames, or None; see `out_of_reach`."""
+    return next(filter(None, (out_of_reach(moment, wider) for moment in moments(scene, frames.times))), None)
 
 
 def _write(folder: Path, request: Request, exposure: float, frames: Frames) -> None:
@@ -189,6 +206,10 @@ def _check(renderer: PovRay, request: Request) -> None:
     reason = lacks(renderer, request.scene, mode) or too_long(request.scene, mode, request.time_limit)
     if reason:
         raise Unsupported(reason)
+    if request.shift != Request.shift:
+        wider, higher = (1.0 + 2.0 * abs(by) / pixels for by, pixels in zip(request.shift, size, strict=True))
+        if reason := _lost(request.scene, looked_at(request.scene), (wider, higher)):
+            raise Unsupported(reason)
     if samples_per_pixel(mode) * size[0] * size[1] > LARGEST_AREA:
         raise Unsupported(f"{mode.text} at {size[0]}x{size[1]} needs a canvas of more than {LARGEST_AREA} pixels")
 
@@ -218,7 +239,7 @@ def _run(job: _Job, frames: int, time_limit: float) -> list[Statistics]:
         job.output.option,
         f"+W{job.width}",
         f"+H{job.height}",
-        "+BS32",  # the default, stated: what +AM1 draws depends on it
+        f"+BS{job.tile}",
         "-D",
         "-V",
         "File_Gamma=1.0",
@@ -265,6 +286,22 @@ def _picture(job: _Job, name: str) -> Pixels:
             f"instead of {job.width}x{job.height} and 3"
         )
     return pixels
+
+
+def _part(size: tuple[int, int], frames: Frames) -> Iterator[str]:
+    """The options that trace of a larger canvas the picture alone: its first or last column and row, from 1. An end of
+    1 POV-Ray reads as a share, which is all of them: so it is stated as a share that ends between 1 and 2."""
+    for pixels, more, axis in zip(size, frames.further, "CR", strict=True):
+        if more > 0:
+            yield f"+S{axis}{more + 1}"
+        elif more < 0:
+            yield f"+E{axis}{pixels if pixels > 1 else 1.5 / (1 - more)}"
+
+
+def _cut_out(canvas: Array | Pixels, frames: Frames) -> Array | Pixels:
+    """The picture, which is a part of its canvas."""
+    columns, rows = (slice(more, None) if more >= 0 else slice(more) for more in frames.further)
+    return canvas[rows, columns]
 
 
 def _box_averaged(pixels: Array | Pixels, side: int, exposure: float) -> Pixels:

@@ -9,7 +9,7 @@ the pixel, one of time, two of the lens, two of each light with an area, as the 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -59,7 +59,8 @@ class Frames:
     weights (n,); times (n,) in [0, 1], None for a scene that stands still; lens (n, 2): to the right and up from the
     middle of the lens, in the scene's units, None without a lens. blur: POV-Ray's own lens, in its place. lights: of
     each of the scene's lights its points, None of one without an area; where there are none here, area lights are
-    POV-Ray's own, of this grid."""
+    POV-Ray's own, of this grid. further: columns and rows that the canvas has more than the picture, which lies at its
+    right and its bottom where they are positive, at its left and its top where they are negative."""
 
     shifts: Array
     weights: Array
@@ -68,6 +69,7 @@ class Frames:
     blur: FocalBlur | None = None
     grid: LightGrid = LightGrid()
     lights: tuple[LightPoints | None, ...] = ()
+    further: tuple[int, int] = (0, 0)
 
 
 def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
@@ -93,6 +95,20 @@ def frames_of(mode: Spec, seed: int, scene: Scene) -> Frames:
         chosen.lens,
         lights=_light_points(scene, chosen.lights),
     )
+
+
+def moved(frames: Frames, shift: tuple[float, float]) -> Frames:
+    """The frames of a picture in which all that is seen is moved by so many pixels to the right and down.
+
+    POV-Ray's own lens stands at a right angle to the direction of the camera, and its focus with it: the direction
+    takes at most a quarter of a pixel, and the picture is a part of a larger canvas. An odd number of further columns
+    moves it by half a pixel. Of a picture of 64 x 48 pixels and 70 degrees the direction alone made profiles wrong by
+    0.063 rms at 16 pixels; so they are as right as in place.
+    """
+    if frames.blur is None:
+        return replace(frames, shifts=frames.shifts - shift)
+    further = (-round(2.0 * shift[0]), -round(2.0 * shift[1]))
+    return replace(frames, shifts=frames.shifts - shift - 0.5 * np.array(further), further=further)
 
 
 def _light_points(scene: Scene, u: Array | None) -> tuple[LightPoints | None, ...]:

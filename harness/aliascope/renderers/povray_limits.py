@@ -7,6 +7,7 @@ power of two: every coordinate keeps all its digits, and the picture stays the s
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -70,15 +71,17 @@ def world_scale(scene: Scene) -> float:
     return 2.0 ** math.floor(min(exponents, default=0.0))
 
 
-def out_of_reach(scene: Scene) -> str | None:
+def out_of_reach(scene: Scene, wider: tuple[float, float] = (1.0, 1.0)) -> str | None:
     """Why POV-Ray would leave out a part of the scene without a word, or None. Lengths in it are as POV-Ray has them.
 
+    wider: how many times as wide and as high as its picture what is seen may be, by a shift on the film.
     Whole surfaces are looked at, within the view or not; a surface that runs from behind the camera to in front of it
     loses only a sliver to NEAREST and passes.
     """
     frame, scale = frame_of(scene), world_scale(scene)
     # A perspective ray toward a corner of the picture is longer than the depth that it reaches.
-    stretch = math.hypot(1.0, frame.half_width, frame.half_height) if frame.perspective else 1.0
+    seen = replace(frame, half_width=wider[0] * frame.half_width, half_height=wider[1] * frame.half_height)
+    stretch = math.hypot(1.0, seen.half_width, seen.half_height) if frame.perspective else 1.0
     for surface in scene.surfaces:
         if isinstance(surface, Plane) and frame.perspective:
             lost = scale * _height(surface, frame) / FARTHEST / frame.pixel
@@ -89,7 +92,7 @@ def out_of_reach(scene: Scene) -> str | None:
             reason = _rim_lost(frame, np.array(surface.centre) - frame.eye, surface.radius, scale)
             if reason:
                 return reason
-        low, high = (scale * depth for depth in _depths(surface, frame))
+        low, high = (scale * depth for depth in _depths(surface, seen))
         if high * stretch > FARTHEST:
             return f"POV-Ray sees nothing beyond {FARTHEST:g} units, and a {surface.type} reaches {high * stretch:.3g}"
         if isinstance(surface, Sphere | Plane):

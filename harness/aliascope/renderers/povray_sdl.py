@@ -149,7 +149,11 @@ def _camera(scene: Scene, frame: Frame, scale: float, frames: Frames, exposure: 
         aim = f"perspective location {location} direction {direction} + {shift}"
     else:
         aim = f"orthographic location {shift} direction {direction}"
-    across, upward = 2.0 * sides * frame.half_width * frame.right, 2.0 * sides * frame.half_height * frame.up
+    wider, higher = (
+        1.0 + abs(more) / count for more, count in zip(frames.further, (frame.width, frame.height), strict=True)
+    )
+    across = 2.0 * sides * wider * frame.half_width * frame.right
+    upward = 2.0 * sides * higher * frame.half_height * frame.up
     aim += f" right {_vector(across)} up {_vector(upward)}"
     if frames.blur:
         aim += _focal_blur(scene, frame, scale, frames.blur, exposure)

@@ -14,6 +14,7 @@ from pathlib import Path
 from markupsafe import Markup
 
 from aliascope.records import ReportData, SceneSection
+from aliascope.regression.records import Run
 from aliascope.report.document import document, script_json
 from aliascope.report.encode import PictureStore
 from aliascope.report.files import digest, environment, source, write_text
@@ -22,6 +23,7 @@ from aliascope.report.plots import Plot, colours, plot_csv, plot_svg, plots_of, 
 from aliascope.report.signal_plots import filters_svg, spectrum_svg
 from aliascope.report.spectra import SceneSpectra, spectra_csv, spectra_of
 from aliascope.report.tables import results_csv
+from aliascope.report.verdicts import verdicts_html
 
 SCRIPTS = (
     "core.js",
@@ -41,13 +43,14 @@ SCRIPTS = (
 """In the order of their use of each other; they become one function."""
 
 
-def write_report(folder: Path, data: ReportData) -> Path:
-    """Writes report.html, results.csv and plots/ to a folder, which is made; each file whole or not at all.
+def write_report(folder: Path, data: ReportData, run: Run | None = None) -> Path:
+    """Writes report.html, results.csv and plots/ to a folder, which is made; each file whole or not at all. The
+    verdicts of a regression run come before everything else.
 
     Returns the path of report.html. Raises NotWritable, and InvalidInput where a picture has not its reference's size.
     """
     spectra, filters = spectra_of(data), filter_responses()
-    text = _page(data, spectra, filters)
+    text = _page(data, spectra, filters, run)
     palette = colours([row.renderer for scene in data.scenes for row in scene.rows])
     plots = plots_of(data)
     for plot in plots:
@@ -61,17 +64,17 @@ def write_report(folder: Path, data: ReportData) -> Path:
     return write_text(folder / "report.html", text)
 
 
-def page(data: ReportData) -> str:
+def page(data: ReportData, run: Run | None = None) -> str:
     """The text of report.html."""
-    return _page(data, spectra_of(data), filter_responses())
+    return _page(data, spectra_of(data), filter_responses(), run)
 
 
-def _page(data: ReportData, spectra: Sequence[SceneSpectra], filters: Sequence[Response]) -> str:
+def _page(data: ReportData, spectra: Sequence[SceneSpectra], filters: Sequence[Response], run: Run | None) -> str:
     pictures = PictureStore()
     values = document(data, pictures, spectra)
     values["colours"] = colours(values["renderers"])
     values["filters"] = {"frequencies": FREQUENCIES, "responses": filters_json(filters)}
-    style = source("page.css")
+    style = source("page.css") + (source("verdicts.css") if run else "")
     body = "\n".join(source(name) for name in SCRIPTS)
     script = f'(() => {{\n"use strict";\n{body}\n}})();\n'
     pages = environment()
@@ -89,6 +92,7 @@ def _page(data: ReportData, spectra: Sequence[SceneSpectra], filters: Sequence[R
         script=Markup(script),  # ours
         json=Markup(script_json(values)),  # escaped by script_json
         pictures=pictures.texts,
+        verdicts=verdicts_html(run, pages),
     )
 
 

@@ -8,6 +8,7 @@ const helpOfKeys = [
   ["space", "blink; again: the other picture"],
   ["e", "error A, error B, both, none"],
   ...(withSamples ? [["s", "how many samples each pixel of A took, and back"]] : []),
+  ...(withTests ? [["p", "the p-values of A, and back"]] : []),
   ["r", "the reference as A, and back"],
   ["m", "to the largest error of A; with shift of B"],
   ["+  −  0", "zoom in, out, fit"],
@@ -112,7 +113,7 @@ class Controls {
   }
 
   /** The linear values of a pixel, and what A and B are off by. */
-  read({ x, y, taken, reference, a, b }) {
+  read({ x, y, taken, surprise, reference, a, b }) {
     this.values = { x, y, reference, a, b };
     this.place.textContent = `pixel (${x}, ${y})`;
     const chip = (values) => {
@@ -132,6 +133,10 @@ class Controls {
     if (withSamples && Number.isFinite(taken)) {
       this.values_.append(h("tr", { "data-read": "taken" }, h("th", { scope: "row" }, "A took"),
         h("td", { class: "number", colspan: 3 }, counted(Number(taken.toPrecision(4)), "sample"))));
+    }
+    if (Number.isFinite(surprise)) {
+      this.values_.append(h("tr", { "data-read": "p-value" }, h("th", { scope: "row" }, "A's p-value"),
+        h("td", { class: "number", colspan: 3 }, pValueText(surprise))));
     }
     this.differences.replaceChildren(
       ...[["a", a], ["b", b]].map(([slot, values]) => line(`${slot.toUpperCase()} − ref`, `${slot}-error`, off(values), true, null)));

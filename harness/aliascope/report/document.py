@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from aliascope.records import Estimate, ModeRow, ReportData, SceneSection
-from aliascope.report.encode import PictureStore, counts_picture, error_map, error_scale, worst_pixel
+from aliascope.report.encode import PictureStore, counts_picture, error_map, error_scale, surprise_picture, worst_pixel
 from aliascope.report.pool import Curve, curve_of, in_common, pool, under_one_filter
 from aliascope.report.spectra import SceneSpectra, check_size, spectra_json
 
@@ -75,6 +75,7 @@ def _picture(row: ModeRow, worst: tuple[int, int], pictures: PictureStore) -> di
     return {
         "picture": pictures.add(row.pixels),
         "counts": pictures.add(counts_picture(row.counts)) if row.counts is not None else None,
+        "surprise": pictures.add(surprise_picture(row.p_values)) if row.p_values is not None else None,
         "worst": list(worst),
         "notFinite": int((~np.isfinite(row.pixels)).any(axis=2).sum()),
     }

@@ -100,6 +100,18 @@ def counts_picture(counts: Counts) -> Pixels:
     return np.repeat(counts.astype(np.float32)[..., np.newaxis], 3, axis=2)
 
 
+MOST_SURPRISING = 25.4
+"""Powers of ten below which p-values are not told apart: 255 steps of a tenth."""
+
+
+def surprise_picture(p_values: NDArray[np.float64]) -> Pixels:
+    """-log10 of the least p-value of each pixel's channels (height, width, 3), to a tenth, so that the picture is
+    small; NaN where one is."""
+    least = np.maximum(p_values.min(axis=2), 10.0**-MOST_SURPRISING)
+    tenths: NDArray[np.float64] = np.abs(np.round(-10.0 * np.log10(least))) / 10.0
+    return np.repeat(tenths.astype(np.float32)[..., np.newaxis], 3, axis=2)
+
+
 def error_map(pixels: Pixels, reference: Pixels) -> NDArray[np.float64]:
     """Signed error (height, width): the mean over the channels of picture - reference. NaN if not finite."""
     with np.errstate(invalid="ignore", over="ignore"):

@@ -102,6 +102,7 @@ function keys(event, viewer) {
   else if (event.key === " " && onPictures && !onButton) viewer.blink();
   else if (event.key === "e") viewer.nextError();
   else if (event.key === "s") viewer.toggleSamples();
+  else if (event.key === "p") viewer.togglePValues();
   else if (event.key === "r") viewer.toggleReference();
   else if (event.key === "m" || event.key === "M") viewer.worst(event.shiftKey ? "b" : "a");
   else if (event.key === "+" || event.key === "=") viewer.zoomBy(1);
@@ -141,6 +142,13 @@ function leftOut() {
   return [h("p", { class: "note" }, `Over the scenes that every renderer drew in much the same modes, under one filter: without ${names.join("; ")}.`)];
 }
 
+/** To what a link of the page shows: a scene, and how it is looked at. */
+function followLink() {
+  if (!location.hash.includes("=")) return;
+  change(parseState(location.hash));
+  document.getElementById("see").scrollIntoView();
+}
+
 function start() {
   copyButtons();
   if (!documentData.scenes.length) return;
@@ -166,7 +174,7 @@ function start() {
   drawSheets();
   document.addEventListener("keydown", (event) => keys(event, viewer));
   addEventListener("pagehide", () => writing && writeFragment());
-  addEventListener("hashchange", () => location.hash.includes("=") && change(parseState(location.hash)));
+  addEventListener("hashchange", () => followLink());
   const [visit] = performance.getEntriesByType("navigation");
   if (location.hash.includes("scene=") && visit?.type === "navigate") document.getElementById("see").scrollIntoView();
 }

@@ -72,6 +72,9 @@ function samplesOf(scene, row) {
   return row.counts === null ? row.spp : picture(row.counts, scene);
 }
 
+/** -log10 of the p-value of each pixel, where a test made them; else null. */
+const surpriseOf = (scene, row) => (row && row.surprise !== null ? picture(row.surprise, scene) : null);
+
 // Linear to sRGB (IEC 61966-2-1), rounded to 8 bits.
 
 function srgbByte(linear) {
@@ -142,17 +145,19 @@ function paintError({ values, width, height }, reference, scale) {
 
 // Samples of each pixel: even steps of lightness for even ratios, dark where few were enough.
 
-const samplesLow = [0.2, 0.01, -0.09];
-const samplesMiddle = [0.6, 0.0, -0.02];
-const samplesHigh = [0.96, -0.02, 0.12];
+const magnitudeLow = [0.2, 0.01, -0.09];
+const magnitudeMiddle = [0.6, 0.0, -0.02];
+const magnitudeHigh = [0.96, -0.02, 0.12];
 
-/** The colour of a number of samples, 1 to `most`. */
-function samplesColour(count, most) {
-  const share = clamp(Math.log(Math.max(count, 1)) / Math.log(Math.max(most, 2)), 0, 1);
-  const [low, high] = share < 0.5 ? [samplesLow, samplesMiddle] : [samplesMiddle, samplesHigh];
+/** The colour of a share of a scale, 0 to 1. */
+function magnitudeColour(share) {
+  const [low, high] = share < 0.5 ? [magnitudeLow, magnitudeMiddle] : [magnitudeMiddle, magnitudeHigh];
   const at = share < 0.5 ? 2 * share : 2 * share - 1;
   return oklabToBytes(low.map((value, i) => value + at * (high[i] - value)));
 }
+
+/** The colour of a number of samples, 1 to `most`. */
+const samplesColour = (count, most) => magnitudeColour(clamp(Math.log(Math.max(count, 1)) / Math.log(Math.max(most, 2)), 0, 1));
 
 /** `samples` as a picture, or one number for all pixels of a scene. */
 function paintSamples(samples, { width, height }, most) {
@@ -164,19 +169,45 @@ function paintSamples(samples, { width, height }, most) {
   return image;
 }
 
-/** The scale of the samples, printed; for all modes of a scene it is the same. */
-function samplesLegend(most) {
+/** The scale of a map of magnitudes, printed. */
+function magnitudeLegend(low, middle, high) {
   const bar = h("span", { class: "bar", "aria-hidden": "true" });
-  const colours = Array.from({ length: 33 }, (_, i) => `rgb(${samplesColour(most ** (i / 32), most).join(" ")})`);
+  const colours = Array.from({ length: 33 }, (_, i) => `rgb(${magnitudeColour(i / 32).join(" ")})`);
   bar.style.backgroundImage = `linear-gradient(to right, ${colours.join(", ")})`;
   return h(
     "p",
     { class: "error-legend" },
-    h("span", { class: "end" }, "1", h("small", {}, "sample")),
-    h("span", { class: "middle" }, bar, h("small", {}, String(Number(Math.sqrt(most).toPrecision(2))))),
-    h("span", { class: "end" }, String(most), h("small", {}, "samples")),
+    h("span", { class: "end" }, low),
+    h("span", { class: "middle" }, bar, h("small", {}, middle)),
+    h("span", { class: "end" }, high),
   );
 }
+
+/** The scale of the samples; for all modes of a scene it is the same. */
+const samplesLegend = (most) =>
+  magnitudeLegend(["1", h("small", {}, "sample")], String(Number(Math.sqrt(most).toPrecision(2))), [String(most), h("small", {}, "samples")]);
+
+// p-values: dark where chance explains the difference, bright where it does not. A picture has some ten thousand of them,
+// so that one in 10^4 is there by chance.
+
+const mostSurprising = 10; // powers of ten
+
+const pValueText = (surprise) => (surprise === 0 ? "1" : scientific(10 ** -surprise, 1));
+
+/** The p-values of a picture that a test was made of; of another, nothing. */
+function paintSurprise(surprise, { width, height }) {
+  const image = new ImageData(width, height);
+  if (!surprise) return image;
+  for (let i = 0, o = 0; o < image.data.length; i += 3, o += 4) {
+    const value = surprise.values[i];
+    image.data.set(Number.isFinite(value) ? magnitudeColour(clamp(value / mostSurprising, 0, 1)) : notFinite, o);
+    image.data[o + 3] = 255;
+  }
+  return image;
+}
+
+const surpriseLegend = () =>
+  magnitudeLegend(["p = 1", h("small", {}, "by chance")], `10${superscript(-mostSurprising / 2)}`, [`10${superscript(-mostSurprising)}`, h("small", {}, "or less")]);
 
 /** A picture averaged over squares of `factor` pixels, for a thumbnail. */
 function shrink({ values, width, height }, factor) {

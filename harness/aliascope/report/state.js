@@ -1,10 +1,14 @@
 // What is shown, all of it in the fragment of the URL: a link shows what was seen.
 
 const withSamples = documentData.scenes.some((scene) => scene.mostSamples !== null);
-const views = ["side", "slider", "blink", "error-a", "error-b", "errors", ...(withSamples ? ["samples-a"] : [])];
+const withTests = documentData.scenes.some((scene) => scene.rows.some((row) => row.surprise !== null));
+const views = [
+  "side", "slider", "blink", "error-a", "error-b", "errors", ...(withSamples ? ["samples-a"] : []), ...(withTests ? ["p-values-a"] : []),
+];
 const viewNames = {
   side: "A | B", slider: "slider", blink: "blink",
   "error-a": "error A", "error-b": "error B", errors: "errors A | B", "samples-a": "samples A",
+  "p-values-a": "p-values A",
 };
 const referenceName = "reference";
 const sceneByName = new Map(documentData.scenes.map((scene) => [scene.name, scene]));

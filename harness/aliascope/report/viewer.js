@@ -13,9 +13,10 @@ const panesOf = {
   "error-b": [["b", "error"]],
   errors: [["a", "error"], ["b", "error"]],
   "samples-a": [["a", "samples"]],
+  "p-values-a": [["a", "p-values"]],
 };
 
-const kindNames = { error: "signed error", samples: "samples of each pixel" };
+const kindNames = { error: "signed error", samples: "samples of each pixel", "p-values": "p-values of the mean" };
 
 class Viewer {
   constructor() {
@@ -65,10 +66,10 @@ class Viewer {
     const [a, b] = [rowOf(scene, state.a), rowOf(scene, state.b)];
     const wanted = { scene, a, b };
     this.wanted = wanted;
-    const [samples, reference, ...pictures] = await Promise.all(
-      [samplesOf(scene, a), ...[null, a, b].map((row) => pictureOf(scene, row))]);
+    const [samples, surprise, reference, ...pictures] = await Promise.all(
+      [samplesOf(scene, a), surpriseOf(scene, a), ...[null, a, b].map((row) => pictureOf(scene, row))]);
     if (this.wanted !== wanted) return; // another was chosen meanwhile
-    this.loaded = { ...wanted, reference, samples, pictures: { a: pictures[0], b: pictures[1] } };
+    this.loaded = { ...wanted, reference, samples, surprise, pictures: { a: pictures[0], b: pictures[1] } };
     this.paint();
   }
 
@@ -77,7 +78,7 @@ class Viewer {
     const { scene, reference, pictures } = this.loaded;
     const row = this.loaded[slot];
     const scale = scaleOf(scene);
-    const setting = { error: scale, picture: state.exposure, samples: "" }[kind];
+    const setting = { error: scale, picture: state.exposure, samples: "", "p-values": "" }[kind];
     const key = [scene.name, row ? identity(row) : "", kind, setting].join("\n");
     let canvas = this.layers.get(key);
     if (!canvas) {
@@ -87,6 +88,7 @@ class Viewer {
         error: () => paintError(pictures[slot], reference, scale),
         picture: () => paintPicture(pictures[slot], state.exposure),
         samples: () => paintSamples(this.loaded.samples ?? 1, scene, this.mostSamples()),
+        "p-values": () => paintSurprise(this.loaded.surprise, scene),
       }[kind]();
       canvas.getContext("2d").putImageData(image, 0, 0);
       this.layers.set(key, canvas);
@@ -144,12 +146,17 @@ class Viewer {
     this.splitter.hidden = state.view !== "slider";
     this.splitter.value = state.split;
     this.splitter.style.width = `${layout.width}px`;
-    const withError = shown.some(([, kind]) => kind === "error");
-    const withSamples_ = shown.some(([, kind]) => kind === "samples");
-    this.legend.replaceChildren(
-      ...(withError ? [errorLegend(scaleOf(this.loaded.scene))] : []), ...(withSamples_ ? [samplesLegend(this.mostSamples())] : []));
+    this.legend.replaceChildren(...this.legendOf(shown[0][1]));
     this.controls.show(layout);
     this.read();
+  }
+
+  /** The scale of what a view shows, if it has one. */
+  legendOf(kind) {
+    if (kind === "error") return [errorLegend(scaleOf(this.loaded.scene))];
+    if (kind === "samples") return [samplesLegend(this.mostSamples())];
+    if (kind !== "p-values") return [];
+    return [this.loaded.surprise ? surpriseLegend() : h("p", { class: "note" }, "This picture is judged by what was blessed, not pixel by pixel.")];
   }
 
   paintPane(pane, [slot, kind], layout, place) {
@@ -226,9 +233,9 @@ class Viewer {
     const [x, y] = this.hovered ?? [state.x, state.y];
     const i = 3 * (y * scene.width + x);
     const at = (values) => [values[i], values[i + 1], values[i + 2]];
-    const { samples } = this.loaded;
+    const { samples, surprise } = this.loaded;
     const taken = typeof samples === "number" ? samples : samples?.values[i];
-    this.controls.read({ x, y, taken, reference: at(reference.values), a: at(pictures.a.values), b: at(pictures.b.values) });
+    this.controls.read({ x, y, taken, surprise: surprise?.values[i], reference: at(reference.values), a: at(pictures.a.values), b: at(pictures.b.values) });
   }
 
   pixelAt(event, { canvas }) {
@@ -352,6 +359,11 @@ class Viewer {
   /** The samples of A, and back. */
   toggleSamples() {
     if (withSamples) change({ view: state.view === "samples-a" ? "side" : "samples-a" });
+  }
+
+  /** The p-values of A, and back. */
+  togglePValues() {
+    if (withTests) change({ view: state.view === "p-values-a" ? "side" : "p-values-a" });
   }
 
   nextError() {

@@ -14,6 +14,7 @@ from scipy.ndimage import maximum_filter
 from aliascope import renderers
 from aliascope.geometry import Array
 from aliascope.model import AnyLight, AreaLight, DiscLight, Material, Scene, SphereLight, Vector
+from aliascope.regression.defects import GAIN, OFFSET, SHIFT, WIDER
 from aliascope.renderers.base import Request
 from aliascope.studies.agree_judge import Effect
 
@@ -25,9 +26,6 @@ PAIRED = 4096
 would make less of the flaw than there is."""
 PASSES = 8
 """Fine pictures of single passes, for a scene of which each pass shows another lens point, time or point of a light."""
-
-GAIN, OFFSET, SHIFT, WIDER = 0.01, 1.0 / 255.0, 1.0 / 32.0, 0.1
-"""What a run has to find: 1 per cent, a step of 8 bits, 1/32 pixel, a pixel, lens or light that is 10 % wider."""
 
 
 @dataclass(frozen=True)

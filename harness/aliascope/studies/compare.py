@@ -172,14 +172,15 @@ def _section(
         title=scene.title if box else f"{scene.title}, filtered with {filter_}",
         shows=scene.shows,
         reference=reference.pixels,
-        reference_note=_note(reference),
+        reference_note=note_of(reference),
         rows=tuple(rows),
         empty=tuple(cell for cell in plan.empty if cell.scene == name) if box else (),
         filter=filter_,
     )
 
 
-def _note(reference: Reference) -> str:
+def note_of(reference: Reference) -> str:
+    """How a reference was made and how exact it is, in a few words."""
     if reference.standard_error is None:
         return f"exact ({reference.method}), error below {reference.error:.1g}"
     spread = math.sqrt(float((reference.standard_error**2).mean()))

@@ -28,6 +28,7 @@ def render_file(
     time_limit: float = Request.time_limit,
     counts: Path | None = None,
     dimensions: str | None = None,
+    shift: tuple[float, float] = Request.shift,
 ) -> dict[str, Any]:
     """Renders to a file, and gives the figures of `aliascope render --json`; the samples of each pixel to `counts`.
 
@@ -55,6 +56,7 @@ def render_file(
         threads=threads,
         least_seconds=least,
         time_limit=time_limit,
+        shift=shift,
     )
     metrics.check_finite(rendering.pixels, "the picture")
     versions = found.versions()
@@ -69,7 +71,7 @@ def render_file(
         seed=seed,
         versions=versions,
     )
-    header = pipeline.provenance(job, rendering, versions)
+    header = pipeline.provenance(job, rendering, versions, shift)
     image.write_exr(out, rendering.pixels, header)
     if counts is not None and rendering.counts is not None:
         image.write_counts(counts, rendering.counts, header)
@@ -81,6 +83,7 @@ def render_file(
         "seed": seed,
         "width": width,
         "height": height,
+        "shift": list(shift),
         "samples": cost.samples,
         "samples_per_pixel": cost.samples_per_pixel,
         "counts": _counts(rendering, counts),
