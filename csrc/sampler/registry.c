@@ -1,6 +1,7 @@
 /* The samplers there are: the built-in ones and those of plugins, through the same tables. */
 #include <dlfcn.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -180,16 +181,47 @@ static asc_status settle(double *points, size_t count) {
   return below ? ASC_OK : move_below_one(points, count);
 }
 
-asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range *range, double *points) {
-  if (!sampler || !range || !points) return ASC_INVALID_ARGUMENT;
+#define LEAST_TABLE offsetof(asc_sampler_interface, fill_pixels) /* what every table has */
+
+static asc_status fill_pixels(const asc_sampler *sampler, const asc_range *range, size_t pixels, double *points) {
+  const asc_sampler_interface *interface = sampler->interface;
+  if (interface->struct_size > LEAST_TABLE && interface->fill_pixels)
+    return interface->fill_pixels(sampler->made.state, range, pixels, points);
+  asc_range one = *range;
+  for (size_t i = 0; i < pixels; i++) {
+    one.pixel_x = range->pixel_x + (int32_t)i;
+    const asc_status status =
+        interface->fill(sampler->made.state, &one, points + i * range->sample_count * range->dimension_count);
+    if (status) return status;
+  }
+  return ASC_OK;
+}
+
+/* ASC_OK where the range is valid and there is something to fill. */
+static asc_status check_range(const asc_sampler *sampler, const asc_range *range) {
   const uint32_t dimensions = sampler->resolved.dimensions;
   if (range->first_dimension > dimensions || range->dimension_count > dimensions - range->first_dimension)
     return ASC_INVALID_ARGUMENT;
-  if (!holds(sampler, range->first_sample, range->sample_count)) return ASC_UNSUPPORTED;
-  if (range->sample_count == 0 || range->dimension_count == 0) return ASC_OK;
-  asc_status status = sampler->interface->fill(sampler->made.state, range, points);
+  return holds(sampler, range->first_sample, range->sample_count) ? ASC_OK : ASC_UNSUPPORTED;
+}
+
+asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range *range, double *points) {
+  if (!sampler || !range || !points) return ASC_INVALID_ARGUMENT;
+  asc_status status = check_range(sampler, range);
+  if (status || range->sample_count == 0 || range->dimension_count == 0) return status;
+  status = sampler->interface->fill(sampler->made.state, range, points);
   if (status) return status;
   return settle(points, range->sample_count * range->dimension_count);
+}
+
+asc_status asc_sampler_fill_pixels(const asc_sampler *sampler, const asc_range *range, size_t pixels, double *points) {
+  if (!sampler || !range || !points || (pixels > 0 && pixels - 1 > (size_t)(INT32_MAX - (int64_t)range->pixel_x)))
+    return ASC_INVALID_ARGUMENT;
+  asc_status status = check_range(sampler, range);
+  if (status || pixels == 0 || range->sample_count == 0 || range->dimension_count == 0) return status;
+  status = fill_pixels(sampler, range, pixels, points);
+  if (status) return status;
+  return settle(points, pixels * range->sample_count * range->dimension_count);
 }
 
 asc_status asc_sampler_weights(const asc_sampler *sampler, uint64_t first, size_t count, double *weights) {
@@ -215,7 +247,7 @@ static asc_status register_table(const asc_sampler_interface *table, const char 
   if (!table)
     return asc_fail(error, ASC_PLUGIN, "%s: has no \"%s\" for ABI version %u: build it against this version's headers",
                     path, ASC_SAMPLER_INTERFACE_ID, ASC_ABI_VERSION);
-  if (table->struct_size < sizeof *table || !table->name || !table->title || !table->source || !table->create ||
+  if (table->struct_size < LEAST_TABLE || !table->name || !table->title || !table->source || !table->create ||
       !table->destroy || !table->fill)
     return asc_fail(error, ASC_PLUGIN, "%s: its table of functions is too short or has gaps", path);
   asc_status status = check_parameters(table, path, error);

@@ -109,13 +109,15 @@ ASC_INLINE void add_directions(const quad *of, uint32_t index, uint32_t bits[QUA
  * ------------------------------------------------------------------------------------------------------
  */
 
-/* A part of the columns of one quad: the columns [begin, begin + width), width 1, 2 or 4, of the samples [first, last].
- */
+/* A part of the columns of one quad: the columns [begin, begin + width), width 1, 2 or 4, of the samples [first, last],
+ * of pixels one after the other. */
 typedef struct owen_run {
   const quad *of;
   uint32_t quad_index, begin, width, first, last;
   double *points;
   size_t stride;
+  const asc_key *keys;
+  size_t pixels;
 } owen_run;
 
 #define FOUR(name) name##_baseline
@@ -192,36 +194,44 @@ static void make_columns(const quad *of, uint32_t quad_index, int scramble, asc_
   }
 }
 
-/* The same by owen. */
-static void make_owen_columns(const quad *of, uint32_t quad_index, asc_key key, uint32_t begin, uint32_t end,
-                              uint32_t first, uint32_t last, double *points, size_t stride) {
-  for (uint32_t d = begin, width; d < end; d += width, points += width) {
-    width = end - d == 4 ? 4 : end - d >= 2 ? 2 : 1;
-    const owen_run run = {of, quad_index, d, width, first, last, points, stride};
+/* The same by owen, of pixels one after the other. */
+static void make_owen_columns(owen_run run, uint32_t begin, uint32_t end) {
+  for (uint32_t d = begin; d < end; d += run.width, run.points += run.width) {
+    run.begin = d;
+    run.width = end - d == 4 ? 4 : end - d >= 2 ? 2 : 1;
 #if ASC_HAS_LEVELS
     if (ASC_TAKES_V4) {
-      owen_rows_v4(&run, key);
-      continue;
-    }
-    if (ASC_TAKES_V3) {
-      owen_rows_v3(&run, key);
+      owen_rows_v4(&run);
       continue;
     }
 #endif
-    owen_rows_baseline(&run, key);
+    owen_run one = run;
+    for (size_t i = 0; i < run.pixels; i++, one.points += run.stride * (run.last - run.first + 1)) {
+#if ASC_HAS_LEVELS
+      if (ASC_TAKES_V3) {
+        owen_rows_v3(&one, run.keys[i]);
+        continue;
+      }
+#endif
+      owen_rows_baseline(&one, run.keys[i]);
+    }
   }
 }
 
-static void fill_many(const sobol_state *state, const asc_range *range, asc_key key, double *points) {
+/* `keys`: of pixels, one after the other, of which all but owen take one. */
+static void fill_many(const sobol_state *state, const asc_range *range, const asc_key *keys, size_t pixels,
+                      double *points) {
   const uint32_t first = (uint32_t)range->first_sample, last = (uint32_t)(first + range->sample_count - 1);
   const uint32_t begin = range->first_dimension, end = begin + range->dimension_count;
+  const size_t stride = range->dimension_count;
   for (uint32_t q = begin / QUAD; q * QUAD < end; q++) {
     const uint32_t from = q * QUAD < begin ? begin % QUAD : 0, to = end - q * QUAD < QUAD ? end - q * QUAD : QUAD;
     double *columns = points + (q * QUAD + from - begin);
+    const quad *of = &state->quads[q];
     if (state->scramble == SCRAMBLE_OWEN)
-      make_owen_columns(&state->quads[q], q, key, from, to, first, last, columns, range->dimension_count);
+      make_owen_columns((owen_run){of, q, 0, 0, first, last, columns, stride, keys, pixels}, from, to);
     else
-      make_columns(&state->quads[q], q, state->scramble, key, from, to, first, last, columns, range->dimension_count);
+      make_columns(of, q, state->scramble, *keys, from, to, first, last, columns, stride);
   }
 }
 
@@ -241,7 +251,7 @@ static void fill_one(const sobol_state *state, uint32_t begin, uint32_t end, uin
 ASC_APART void fill_range(const sobol_state *state, const asc_range *range, asc_key key, double *points) {
   const uint32_t begin = range->first_dimension, count = range->dimension_count, index = (uint32_t)range->first_sample;
   if (range->sample_count > FEW) {
-    fill_many(state, range, key, points);
+    fill_many(state, range, &key, 1, points);
     return;
   }
   for (uint32_t i = 0; i < range->sample_count; i++)
@@ -267,6 +277,27 @@ static asc_status sobol_fill(const void *opaque, const asc_range *range, double 
   return ASC_OK;
 }
 
+#define TOGETHER 16 /* pixels */
+
+static asc_status sobol_fill_pixels(const void *opaque, const asc_range *range, size_t pixels, double *points) {
+  const sobol_state *state = opaque;
+  const size_t values = range->sample_count * range->dimension_count;
+  const int together = state->scramble == SCRAMBLE_OWEN && range->sample_count > FEW;
+  asc_range at = *range;
+  for (size_t done = 0, count; done < pixels; done += count, points += count * values) {
+    count = !together ? 1 : pixels - done < TOGETHER ? pixels - done : TOGETHER;
+    at.pixel_x = range->pixel_x + (int32_t)done;
+    if (!together) {
+      (void)sobol_fill(state, &at, points);
+      continue;
+    }
+    asc_key keys[TOGETHER];
+    for (size_t i = 0; i < count; i++) keys[i] = asc_pixel_key(state->seed_mix, at.pixel_x + (int32_t)i, at.pixel_y);
+    fill_many(state, &at, keys, count, points);
+  }
+  return ASC_OK;
+}
+
 static const asc_parameter sobol_parameters[] = {
     {"scramble", ASC_CHOICE, "none|shift|digit|owen", 0, 0, SCRAMBLE_NONE,
      "none, a random shift modulo 1, a random digital shift, or Owen's nested uniform scrambling"},
@@ -282,4 +313,5 @@ const asc_sampler_interface asc_sampler_sobol = {
     .create = sobol_create,
     .destroy = free,
     .fill = sobol_fill,
+    .fill_pixels = sobol_fill_pixels,
 };

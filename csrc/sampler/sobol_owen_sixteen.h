@@ -65,15 +65,13 @@ ASC_INLINE void lay_out_low(const owen_run *run, uint32_t width, sixteen dimensi
   }
 }
 
-ASC_INLINE void make_sixteens(const owen_run *run, asc_key key, uint32_t width) {
-  const sixteen iota = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-  const sixteen dimension = run->begin + (iota & (width - 1));
+/* The samples of one pixel: from the parts of the lowest bits and the columns of each lane. */
+ASC_INLINE void make_pixel(const owen_run *run, asc_key key, uint32_t width, sixteen column, const sixteen low[QUAD],
+                           double *points) {
   asc_four drawn;
   draw_v4(key, run->quad_index * QUAD, ASC_PURPOSE_SCRAMBLE, &drawn);
+  const sixteen dimension = run->begin + column;
   const sixteen_key keys = keys_of(drawn, dimension);
-  sixteen low[QUAD];
-  lay_out_low(run, width, dimension, low);
-  double *points = run->points;
   for (uint32_t block = run->first / ASC_LANES; block <= run->last / ASC_LANES; block++) {
     const uint32_t from = block == run->first / ASC_LANES ? run->first % ASC_LANES : 0;
     const uint32_t to = block == run->last / ASC_LANES ? run->last % ASC_LANES + 1 : ASC_LANES;
@@ -94,12 +92,21 @@ ASC_INLINE void make_sixteens(const owen_run *run, asc_key key, uint32_t width) 
   }
 }
 
-static void owen_rows_v4(const owen_run *run, asc_key key) {
+ASC_INLINE void make_sixteens(const owen_run *run, uint32_t width) {
+  const sixteen iota = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+  const sixteen column = iota & (width - 1);
+  sixteen low[QUAD];
+  lay_out_low(run, width, run->begin + column, low);
+  const size_t values = run->stride * (run->last - run->first + 1);
+  for (size_t i = 0; i < run->pixels; i++) make_pixel(run, run->keys[i], width, column, low, run->points + i * values);
+}
+
+static void owen_rows_v4(const owen_run *run) {
   if (run->width == 4)
-    make_sixteens(run, key, 4);
+    make_sixteens(run, 4);
   else if (run->width == 2)
-    make_sixteens(run, key, 2);
+    make_sixteens(run, 2);
   else
-    make_sixteens(run, key, 1);
+    make_sixteens(run, 1);
 }
 #undef FOUR

@@ -6,7 +6,7 @@
 #include "shine.h"
 #include "vectorise.h"
 
-#define CHUNK 1024 /* sample_rows of a pixel that are drawn at a time: some patterns are made whole for each call */
+#define CHUNK 1024 /* samples of a pixel that are drawn at a time: some patterns are made whole for each call */
 #define BATCH                                                                                                          \
   1024 /* numbers that are drawn before the rays of their samples are traced, of as many pixels as it takes */
 
@@ -66,7 +66,7 @@ static int32_t pixel_x(const block *area, uint32_t pixel) { return area->x + (in
 
 static int32_t pixel_y(const block *area, uint32_t pixel) { return area->y + (int32_t)(pixel / area->columns); }
 
-/* Moves on by at most so many sample_rows of one pixel; gives how many. */
+/* Moves on by at most so many samples of one pixel; gives how many. */
 static size_t advance(cursor *at, uint64_t samples, size_t most) {
   const uint64_t left = samples - at->sample;
   if (left > most) {
@@ -96,19 +96,28 @@ ASC_VECTORISE static void place(const double *restrict points, size_t stride, si
   }
 }
 
-/* Draws sample_rows of one pixel as the rows from `row` on; gives how many. */
-static asc_status draw_pixel(const asc_sampler *sampler, cursor *at, size_t row, block_work *memory, size_t *count) {
-  const cursor from = *at;
-  const int32_t x = pixel_x(&memory->area, from.pixel), y = pixel_y(&memory->area, from.pixel);
-  *count = advance(at, memory->samples, CHUNK);
+/* Draws samples as the rows from `row` on, at most `wanted`: of as many pixels side by side, or at least of one what is
+ * drawn at a time. Gives how many. */
+static asc_status draw_some(const asc_sampler *sampler, cursor *at, size_t row, size_t wanted, block_work *memory,
+                            size_t *count) {
+  const uint32_t pixel = at->pixel, side = memory->area.columns - pixel % memory->area.columns;
+  const int32_t x = pixel_x(&memory->area, pixel), y = pixel_y(&memory->area, pixel);
+  const uint64_t first = at->sample, fit = memory->samples ? wanted / memory->samples : 0;
+  const uint32_t pixels = fit < 1 ? 1 : fit < side ? (uint32_t)fit : side;
+  const size_t each = advance(at, memory->samples, CHUNK);
+  at->pixel += pixels - 1; /* where there are several, all their samples are drawn */
+  *count = pixels * each;
   double *points = memory->points + row * memory->dimensions, *weights = memory->weights + row;
-  const asc_range range = {x, y, from.sample, *count, 0, memory->dimensions};
-  asc_status status = asc_sampler_fill(sampler, &range, points);
-  if (status == ASC_OK && memory->weighted) status = asc_sampler_weights(sampler, from.sample, *count, weights);
-  if (status) return status;
+  const asc_range range = {x, y, first, each, 0, memory->dimensions};
+  asc_status status = asc_sampler_fill_pixels(sampler, &range, pixels, points);
+  for (uint32_t i = 0; i < pixels && status == ASC_OK; i++) {
+    const size_t done = i * each;
+    if (memory->weighted) status = asc_sampler_weights(sampler, first, each, weights + done);
+    place(points + done * memory->dimensions, memory->dimensions, each, x + (int32_t)i, y,
+          memory->sample_x + row + done, memory->sample_y + row + done);
+  }
   for (size_t i = 0; memory->weighted && i < *count; i++) weights[i] *= (double)memory->samples;
-  place(points, memory->dimensions, *count, x, y, memory->sample_x + row, memory->sample_y + row);
-  return ASC_OK;
+  return status;
 }
 
 /* Draws samples, behind the rows that there are, until a batch is added, or the block's last is; gives all rows. */
@@ -117,7 +126,7 @@ static asc_status draw(const tracer *made, const asc_sampler *sampler, cursor *a
   const size_t enough = *rows + BATCH / memory->dimensions;
   while (at->pixel < pixels && *rows < enough) {
     size_t count;
-    asc_status status = draw_pixel(sampler, at, *rows, memory, &count);
+    asc_status status = draw_some(sampler, at, *rows, enough - *rows, memory, &count);
     if (status) return status;
     *rows += count;
   }
@@ -203,7 +212,7 @@ static void move_rows(block_work *memory, size_t first, size_t count) {
   memmove(memory->sample_y, memory->sample_y + first, count * sizeof(double));
 }
 
-/* All sample_rows of the block's pixels, into packets that go on with the next pixel where they are not full. */
+/* All samples of the block's pixels, into packets that go on with the next pixel where they are not full. */
 static asc_status add_pixels(const tracer *made, const asc_sampler *sampler, uint64_t samples, block area,
                              block_work *memory) {
   const uint32_t pixels = area.rows * area.columns;

@@ -5,7 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import signal
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future
+from concurrent.futures import BrokenExecutor, Future
 from concurrent.futures import TimeoutError as FutureTimeout
 from types import TracebackType
 from typing import Any, Generic, TypeVar
@@ -38,6 +38,8 @@ class Task(Generic[Result]):
             code = error.exitcode or 0
             how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
             raise JobFailed(f"the process that rendered it ended {how}") from error
+        except BrokenExecutor as error:  # they end before they begin anything: there is no task to lay it to
+            raise JobFailed("the worker processes do not stay alive; is there too little memory?") from error
 
 
 def patience(time_limit: float) -> float:

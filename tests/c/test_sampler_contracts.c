@@ -85,6 +85,38 @@ static void pieces_out_of_order_equal_all_at_once(void **state) {
   }
 }
 
+/* Of whole pixels, of a part of their samples that begins and ends within a run of sixteen, and of one column. */
+static void pixels_in_a_row_equal_one_by_one(void **state) {
+  (void)state;
+  enum { ROW = 19 }; /* more than are made together */
+  static double row[ROW * MOST_VALUES], one[MOST_VALUES];
+  for (size_t k = 0; k < CASES; k++) {
+    const size_t samples = cases[k].samples;
+    const uint32_t dimensions = cases[k].dimensions;
+    asc_sampler *sampler = make_case(&cases[k], 5);
+    const asc_range ranges[] = {{-3, 7, 0, samples, 0, dimensions},
+                                {-3, 7, samples / 5, samples - samples / 3, 0, dimensions},
+                                {-3, 7, samples / 5, samples - samples / 3, dimensions - 1, 1}};
+    for (size_t r = 0; r < sizeof ranges / sizeof *ranges; r++) {
+      asc_range range = ranges[r];
+      const size_t values = range.sample_count * range.dimension_count;
+      assert_int_equal(asc_sampler_fill_pixels(sampler, &range, ROW, row), ASC_OK);
+      for (size_t pixel = 0; pixel < ROW; pixel++, range.pixel_x++) {
+        assert_int_equal(asc_sampler_fill(sampler, &range, one), ASC_OK);
+        assert_memory_equal(row + pixel * values, one, values * sizeof *one);
+      }
+    }
+    asc_range range = ranges[0];
+    assert_int_equal(asc_sampler_fill_pixels(sampler, &range, 0, row), ASC_OK);
+    range.pixel_x = INT32_MAX;
+    assert_int_equal(asc_sampler_fill_pixels(sampler, &range, 1, row), ASC_OK);
+    assert_int_equal(asc_sampler_fill_pixels(sampler, &range, 2, row), ASC_INVALID_ARGUMENT);
+    range.first_dimension = 1;
+    assert_int_equal(asc_sampler_fill_pixels(sampler, &range, 1, row), ASC_INVALID_ARGUMENT);
+    asc_sampler_destroy(sampler);
+  }
+}
+
 #define THREADS 4
 #define PIXELS 16
 
@@ -265,6 +297,7 @@ int main(void) {
       cmocka_unit_test(every_registered_sampler_is_tested),
       cmocka_unit_test(points_lie_below_one_as_float_too),
       cmocka_unit_test(pieces_out_of_order_equal_all_at_once),
+      cmocka_unit_test(pixels_in_a_row_equal_one_by_one),
       cmocka_unit_test(threads_give_the_same_bits),
       cmocka_unit_test(seeds_and_pixels_matter_where_they_should),
       cmocka_unit_test(weights_sum_to_one),

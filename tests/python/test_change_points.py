@@ -179,4 +179,5 @@ def test_tests_that_cannot_alarm_do_not_count() -> None:
 def test_the_least_p_value_is_reached(n: int) -> None:
     (change,) = by_ranks(list(range(n // 2)) + list(range(100, 100 + n // 2)), least_p_value(n) * 1.0001)
     assert change.at == n // 2
+    assert change.p_value == pytest.approx(4.0 / math.comb(n, n // 2), rel=1e-9)  # two sides, two searches
     assert by_ranks(list(range(n // 2)) + list(range(100, 100 + n // 2)), least_p_value(n) * 0.999) == []

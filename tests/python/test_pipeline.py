@@ -5,6 +5,8 @@ from __future__ import annotations
 import ast
 import subprocess
 from collections.abc import Sequence
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any, cast
 
@@ -136,6 +138,13 @@ def test_timed_jobs_run_alone_those_that_idle_side_by_side_and_nothing_is_measur
     assert len(beside) == len(plan.jobs) == len(kept)
     assert beside[:2] == [4, 4]  # those of Embree, while POV-Ray's are on their way
     assert all(set(outcome.metrics) == {"rmse"} for outcome in kept.values())
+
+
+def test_worker_processes_that_do_not_start_are_a_failed_job() -> None:
+    task: Future[None] = Future()
+    task.set_exception(BrokenProcessPool("All workers expired"))
+    with pytest.raises(JobFailed, match="do not stay alive"):
+        workers.Task(task, 1.0).result()
 
 
 def test_a_process_is_ended_not_long_after_its_time_limit() -> None:

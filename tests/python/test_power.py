@@ -269,6 +269,18 @@ def test_what_is_missed_or_alarms_too_often_does_not_hold() -> None:
     assert "  5 x  x" in power_text.lines(answer_of(alarms=5))
 
 
+def test_each_scene_has_a_cell_in_each_renderer_that_draws_it() -> None:
+    files = [scene_io.load(name) for name in ("edge", "depth-of-field", "soft-shadow", "terrain", "everything")]
+    cells, _ = regress_suite.cells_of(files, list(renderers.RENDERERS))
+    told = power._telling(cells)
+    places = {(each.name.scene, each.name.renderer) for each in cells}
+    assert {(each.name.scene, each.name.renderer) for each in told} == places
+    assert len(told) < len(cells)
+    # Of modes that are not in the table, all.
+    others = [each for each in cells if each not in told]
+    assert power._telling(others) == others
+
+
 TINY = """
 title = "t"
 shows = "s"

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from aliascope import renderers
-from aliascope.errors import CheckFailed
+from aliascope import renderers, scene_io
+from aliascope.errors import CheckFailed, SpecError
 from aliascope.geometry import Array
 from aliascope.native import samplers
 from aliascope.records import Cost
@@ -310,6 +310,7 @@ def gained(found: Observed) -> Observed:
     return replace(found, replicates=tuple(each))
 
 
+SEEDS = tuple(Draw(seed) for seed in range(16))
 SHIFTS = (Draw(), *(Draw(shift=(0.05 * number, 0.9 - 0.05 * number)) for number in range(1, 16)))
 FAILS: list[tuple[str, str, Callable[[Observed], Observed]]] = [
     ("value", "pixels that are no finite number", lambda found: changed(found, not_finite=1)),
@@ -333,14 +334,11 @@ FAILS: list[tuple[str, str, Callable[[Observed], Observed]]] = [
 ]
 
 
-@pytest.mark.parametrize("judged", ["reference", "blessed"])
-@pytest.mark.parametrize("draws", [tuple(Draw(seed) for seed in range(16)), SHIFTS], ids=["seeds", "shifts"])
+@pytest.mark.parametrize(("judged", "draws"), [("reference", SEEDS), ("blessed", SEEDS), ("blessed", SHIFTS)])
 @pytest.mark.parametrize(("family", "about", "change"), FAILS, ids=[about for _, about, _ in FAILS])
 def test_each_check_fails_by_what_it_is_for(
     judged: Judged, draws: Sequence[Draw], family: str, about: str, change: Callable[[Observed], Observed]
 ) -> None:
-    if judged == "reference" and draws is SHIFTS:
-        pytest.skip("a cell of shifts is judged by what was blessed")
     found = _seen(judged, draws)
     chances = shared(verdict.Tests(1620, 8640, 250))
     assert all(check.passed for check in judge(found, kept(found), chances, MACHINE))
@@ -369,16 +367,13 @@ def _seen(judged: Judged, draws: Sequence[Draw]) -> Observed:
     ],
 )
 def test_effects_are_caught_and_named(judged: Judged, about: str, change: Callable[[Array], Array]) -> None:
-    then = kept(_seen(judged, FAILS_DRAWS))
+    then = kept(_seen(judged, SEEDS))
     chances = shared(verdict.Tests(1620, 8640, 250))
     found = {check.family: check for check in judge(made(7, judged=judged, change=change), then, chances)}
     assert not found["effect"].passed
     assert about in (found["effect"].about, *found["effect"].detail.split("limits: ")[-1].split(", "))
     assert found["effect"].p_value is not None
     assert found["effect"].p_value < chances.effect
-
-
-FAILS_DRAWS = tuple(Draw(seed) for seed in range(16))
 
 
 def test_a_block_is_caught_and_named() -> None:
@@ -417,9 +412,8 @@ def test_a_time_is_a_warning_and_of_one_machine_alone(plain: Observed) -> None:
     ],
 )
 def test_what_is_not_comparable_is_refused(plain: Observed, change: dict[str, Any], reason: str) -> None:
-    draws = FAILS_DRAWS
-    assert verdict.mismatch(kept(plain), "digest", SIZE, "box", draws) == ""
-    assert reason in verdict.mismatch(kept(replace(plain, **change)), "digest", SIZE, "box", draws)
+    assert verdict.mismatch(kept(plain), "digest", SIZE, "box", SEEDS) == ""
+    assert reason in verdict.mismatch(kept(replace(plain, **change)), "digest", SIZE, "box", SEEDS)
 
 
 def test_accuracy_over_blocks_is_the_jackknifes() -> None:
@@ -497,3 +491,35 @@ def test_draws_are_always_the_same_and_differ() -> None:
     assert still[0] == Draw()
     assert len(set(still)) == 16
     assert all(0.0 <= side < 1.0 for draw in still for side in draw.shift)
+
+
+@pytest.fixture(scope="module")
+def files() -> list[scene_io.SceneFile]:
+    return [scene_io.load(name) for name in scene_io.names()]
+
+
+def test_every_scene_has_a_cell_of_each_renderer_that_draws_it(files: list[scene_io.SceneFile]) -> None:
+    cells, empty = regress_suite.cells_of(files, list(renderers.RENDERERS))
+    assert len({cell.name for cell in cells}) == len(cells)
+    for file in files:
+        for name in renderers.RENDERERS:
+            own = [cell for cell in cells if (cell.name.scene, cell.name.renderer) == (file.name, name)]
+            assert own or any((cell.scene, cell.renderer) == (file.name, name) for cell, _ in empty)
+            if name == "embree":
+                assert sum(cell.judged == "reference" for cell in own) >= 2
+    assert [cell.name.text for cell in regress_suite.controls_of(cells)] == [
+        "siemens-star/embree/uniform:n=64",
+        "siemens-star/povray/regular",
+        "siemens-star/osmesa/accumulate:sampler=sobol,sampler.scramble=owen",
+    ]
+
+
+def test_modes_are_chosen_by_pattern_or_named(files: list[scene_io.SceneFile]) -> None:
+    edge = [file for file in files if file.name == "edge"]
+    cells, _ = regress_suite.cells_of(edge, ["embree", "osmesa"], ["*random*", "accumulate:n=5,sampler=random"])
+    found = [f"{cell.name.renderer}/{cell.name.mode}" for cell in cells]
+    assert found == ["embree/uniform:sampler=random", "osmesa/accumulate:n=5,sampler=random"]
+    with pytest.raises(SpecError, match='no mode "unifrom" of embree; did you mean "uniform"'):
+        regress_suite.cells_of(edge, ["embree"], ["unifrom"])
+    (control,) = regress_suite.controls_of(cells[:1])
+    assert control is cells[0]

@@ -44,6 +44,9 @@ typedef struct asc_sampler_interface {
    * range->dimension_count values in [0, 1). */
   asc_status (*fill)(const void *state, const asc_range *range, double *points);
   asc_status (*weights)(const void *state, uint64_t first, size_t count, double *weights); /* NULL: 1/N */
+  /* `fill` of pixels in a row, from the range's to the right, one after the other. NULL, or not in the table: `fill` of
+   * each. */
+  asc_status (*fill_pixels)(const void *state, const asc_range *range, size_t pixels, double *points);
 } asc_sampler_interface;
 
 #if defined(__GNUC__) && !defined(ASC_CDEF)

@@ -47,6 +47,11 @@ ASC_API asc_status asc_sampler_resolved(const asc_sampler *sampler, asc_sampler_
  * dimensions; ASC_OUT_OF_RANGE where a plugin's pattern leaves [0, 1). */
 ASC_API asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range *range, double *points);
 
+/* The same of `pixels` pixels in a row, from the range's to the right, one after the other: quicker than one by one
+ * where each has few samples. */
+ASC_API asc_status asc_sampler_fill_pixels(const asc_sampler *sampler, const asc_range *range, size_t pixels,
+                                           double *points);
+
 /* Writes the weights of samples [first, first + count): those of a quadrature rule, else 1/N. */
 ASC_API asc_status asc_sampler_weights(const asc_sampler *sampler, uint64_t first, size_t count, double *weights);
 

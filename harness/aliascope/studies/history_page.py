@@ -142,7 +142,8 @@ def _notes(answer: Answer) -> tuple[tuple[str, str], ...]:
             "Times",
             "The median over the pictures of a mode, compared on one machine alone, by ranks, so that one slow run is "
             "no step: of all places at which a series can be divided in two, or a stretch of it be taken out, the most "
-            "telling one, its p-value by permutation; then each part again. All scenes: the median over all modes of a "
+            "telling one, its p-value for all places (Bonferroni, or by permutation); then each part again. "
+            "All scenes: the median over all modes of a "
             f"renderer, each over its own median. All tests together have {SIGNIFICANCE:g}. Runs are taken for "
             "independent: a machine that was slow for a week looks like a step, in all modes.",
         ),

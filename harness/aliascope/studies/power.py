@@ -266,7 +266,7 @@ class _Study:
     def caught(self, base: Mapping[CellName, Observed], chances: Chances) -> list[Caught]:
         """All defects, in the telling cells."""
         work: list[_Work] = []
-        for each in filter(_telling, self.cells):
+        for each in _telling(self.cells):
             tries = 1 + _tries(each, base[each.name], self.asked.tries)
             for repetition in range(tries):
                 names = tuple(DEFECTS) if repetition == 0 else REPEATED
@@ -278,7 +278,7 @@ class _Study:
                 )
         found: list[Injected] = self.results(work, "defects")
         caught: list[Caught] = []
-        for each in filter(_telling, self.cells):
+        for each in _telling(self.cells):
             own = [seen for one, seen in zip(work, found, strict=True) if one.cell is each]
             caught += power_caught.judged(each, own, chances)
         return caught
@@ -290,9 +290,17 @@ def _pool_size(cell: Cell) -> int:
     return DEAR_POOL if cell.file.scene.needs().diffuse_bounces else POOL
 
 
-def _telling(cell: Cell) -> bool:
-    found = renderers.find(cell.name.renderer)
-    return cell.spec.text in {renderers.mode_of(found, text).text for text in TELLING.get(found.name, ())}
+def _telling(cells: Sequence[Cell]) -> list[Cell]:
+    """Those that defects are put into: where a scene has none of TELLING in a renderer, all."""
+    chosen = []
+    for cell in cells:
+        renderer = renderers.find(cell.name.renderer)
+        best = {renderers.mode_of(renderer, text).text for text in TELLING.get(renderer.name, ())}
+        place = cell.name.scene, cell.name.renderer
+        own = [each.spec.text for each in cells if (each.name.scene, each.name.renderer) == place]
+        if cell.spec.text in best or not best.intersection(own):
+            chosen.append(cell)
+    return chosen
 
 
 def _tries(cell: Cell, plain: Observed, most: int) -> int:
