@@ -52,6 +52,7 @@ static asc_status take_materials(tracer *made, const asc_scene *scene, asc_error
       return asc_fail(error, ASC_INVALID_ARGUMENT, "material %zu has a number that is not finite", i);
     if (pattern->kind == ASC_PATTERN_NONE) continue;
     made->plain = 0;
+    made->has_patterns = 1;
     for (int axis = 0; axis < 3; axis++) pattern->origin[axis] -= scene->view.eye[axis];
   }
   return ASC_OK;

@@ -5,6 +5,7 @@
 
 #include "concentric.h"
 #include "frames.h"
+#include "vectorise.h"
 
 static double length_of(const double v[3]) { return sqrt(dot(v, v)); }
 
@@ -33,16 +34,16 @@ static emitter describe(const tracer *made, const asc_scene *scene, surface of) 
     made_emitter.area = ASC_PI * disc->radius * disc->radius;
   } else {
     const double *corners = scene->vertices + 9 * (size_t)of.number;
-    double product[3];
     tracer_to_camera(&made->view, corners, made_emitter.corner);
     for (size_t k = 0; k < 2; k++) {
       double corner[3];
       tracer_to_camera(&made->view, corners + 3 * (k + 1), corner);
       for (int i = 0; i < 3; i++) made_emitter.edges[k][i] = corner[i] - made_emitter.corner[i];
     }
-    cross(made_emitter.edges[0], made_emitter.edges[1], product);
-    made_emitter.area = 0.5 * length_of(product);
   }
+  cross(made_emitter.edges[0], made_emitter.edges[1], made_emitter.across);
+  made_emitter.length = length_of(made_emitter.across);
+  if (of.kind == TRIANGLES) made_emitter.area = 0.5 * made_emitter.length;
   return made_emitter;
 }
 
@@ -107,9 +108,14 @@ static double cap_of(double radius, double distance) {
   return squared / (1.0 + sqrt(fmax(0.0, 1.0 - squared)));
 }
 
+/* A place on a ball. */
+typedef struct ball_place {
+  double point[3], normal[3], density;
+} ball_place;
+
 /* From outside, directions uniform over the cone that the sphere fills; from within, places uniform by area. */
 static int choose_of_ball(const double centre[3], double radius, const double u[2], const double seen_from[3],
-                          emitter_place *chosen) {
+                          ball_place *chosen) {
   double axis[3], a[3], b[3], disc[2];
   for (int i = 0; i < 3; i++) axis[i] = centre[i] - seen_from[i];
   const double distance = length_of(axis);
@@ -156,56 +162,110 @@ static void turned(const placing *at, const double rest[3], double moved[3]) {
     memcpy(moved, rest, 3 * sizeof *moved);
 }
 
-/* Places of triangles and discs, uniform by area. */
-static int choose_of_flat(const emitter *from, const placing *at, const double u[2], const double seen_from[3],
-                          emitter_place *chosen) {
-  double along[2], still[3], product[3], normal[3], way[3];
+/* Where on a triangle or a disc the numbers lie, along its edges: uniform by area. */
+static void along_flat(const emitter *from, const double u[2], double along[2]) {
   if (from->of.kind == DISCS) {
     (void)asc_to_disc(u, along);
-  } else {
-    const double out = sqrt(u[1]);
-    along[0] = out * (1.0 - u[0]);
-    along[1] = out * u[0];
+    return;
   }
-  for (int i = 0; i < 3; i++) still[i] = from->corner[i] + along[0] * from->edges[0][i] + along[1] * from->edges[1][i];
-  cross(from->edges[0], from->edges[1], product);
-  placed(at, still, chosen->point);
-  turned(at, product, normal);
-  for (int i = 0; i < 3; i++) way[i] = chosen->point[i] - seen_from[i];
-  const double squared = dot(way, way), length = length_of(normal), facing = dot(normal, way);
-  const double cosine = fabs(facing) / (length * sqrt(squared));
-  if (!(cosine > 0.0)) return 0;
-  for (int i = 0; i < 3; i++) chosen->normal[i] = copysign(1.0, -facing) * normal[i] / length;
-  chosen->density = squared / (cosine * from->area);
-  return 1;
+  const double out = sqrt(u[1]);
+  along[0] = out * (1.0 - u[0]);
+  along[1] = out * u[0];
 }
 
-int emitter_choose(const tracer *made, double time, const double u[2], const double seen_from[3],
-                   emitter_place *chosen) {
-  double numbers[2] = {0.0, u[1]}, centre[3], rest[3], colour[3];
-  const emitter *from = pick(made, u[0], &numbers[0]);
+/* The flat emitters of lanes, with the places in `emitter_places`. */
+typedef struct flat_emitters {
+  vectors across;
+  scalars length, area, chance;
+} flat_emitters;
+
+/* What a place sends out, and how far Embree's surface may be off there. */
+static void set_shining(const tracer *made, const emitter *from, const asc_motion *motion, const placing *at,
+                        const double point[3], uint32_t lane, emitter_places *chosen) {
+  const asc_material *material = &made->materials[made->material_of[from->of.kind][from->of.number]];
+  chosen->slack.of[lane] = 0.0;
+  set_lane(&chosen->radiance, lane, material->emission);
+  if (!motion && material->pattern.kind == ASC_PATTERN_NONE) return;
+  double rest[3] = {point[0], point[1], point[2]}, colour[3];
+  if (motion) motion_ray_to_rest(at, point, (const double[3]){0.0, 0.0, 0.0}, rest, (double[3]){0.0});
+  chosen->slack.of[lane] = meeting_slack(made, motion, rest);
+  meeting_colour(made, material, rest, colour);
+  for (int channel = 0; channel < 3; channel++) chosen->radiance.row[channel][lane] *= colour[channel];
+}
+
+static void put_flat(const tracer *made, const emitter *from, double time, const double u[2], uint32_t lane,
+                     flat_emitters *to, emitter_places *chosen) {
   const asc_motion *motion = tracer_motion(made, from->of);
+  double along[2], still[3], point[3], normal[3];
   placing moved;
   if (motion) moved = motion_at(motion, time);
   const placing *at = motion ? &moved : NULL;
-  int seen;
-  if (from->of.kind == SPHERES) {
-    const ball *round = &made->balls[from->of.number];
-    placed(at, round->centre, centre);
-    seen = choose_of_ball(centre, round->radius, numbers, seen_from, chosen);
-  } else {
-    seen = choose_of_flat(from, at, numbers, seen_from, chosen);
+  along_flat(from, u, along);
+  for (int i = 0; i < 3; i++) still[i] = from->corner[i] + along[0] * from->edges[0][i] + along[1] * from->edges[1][i];
+  placed(at, still, point);
+  turned(at, from->across, normal);
+  set_lane(&chosen->point, lane, point);
+  set_lane(&to->across, lane, normal);
+  to->length.of[lane] = motion ? length_of(normal) : from->length;
+  to->area.of[lane] = from->area;
+  to->chance.of[lane] = from->chance;
+  set_shining(made, from, motion, at, point, lane, chosen);
+}
+
+/* Sides and densities of all lanes' places. */
+ASC_VECTORISE static void face(const flat_emitters *restrict from, const vectors *restrict seen_from,
+                               emitter_places *restrict chosen) {
+  for (uint32_t lane = 0; lane < PACKET; lane++) {
+    const double normal[3] = {from->across.row[0][lane], from->across.row[1][lane], from->across.row[2][lane]};
+    double way[3];
+    for (int i = 0; i < 3; i++) way[i] = chosen->point.row[i][lane] - seen_from->row[i][lane];
+    const double squared = dot(way, way), facing = dot(normal, way), length = from->length.of[lane];
+    const double far = length * sqrt(squared), cosine = fabs(facing) / (far > 0.0 ? far : 1.0);
+    const int seen = cosine > 0.0;
+    for (int i = 0; i < 3; i++)
+      chosen->normal.row[i][lane] = copysign(1.0, -facing) * normal[i] / (seen ? length : 1.0);
+    const double density = squared / (seen ? cosine * from->area.of[lane] : 1.0);
+    chosen->density.of[lane] = seen ? density * from->chance.of[lane] : 0.0;
   }
-  if (!seen) return 0;
-  chosen->density *= from->chance;
-  const asc_material *material = &made->materials[made->material_of[from->of.kind][from->of.number]];
-  memcpy(rest, chosen->point, sizeof rest);
-  if (motion) motion_ray_to_rest(at, chosen->point, (const double[3]){0.0, 0.0, 0.0}, rest, (double[3]){0.0});
-  chosen->slack = meeting_slack(made, motion, rest);
-  meeting_colour(made, material, rest, colour);
-  for (int channel = 0; channel < 3; channel++)
-    chosen->radiance[channel] = colour[channel] * material->emission[channel];
-  return 1;
+}
+
+static void put_ball(const tracer *made, const emitter *from, double time, const double u[2], const vectors *seen_from,
+                     uint32_t lane, emitter_places *chosen) {
+  const ball *round = &made->balls[from->of.number];
+  const asc_motion *motion = tracer_motion(made, from->of);
+  double centre[3], eye[3];
+  ball_place place;
+  placing moved;
+  if (motion) moved = motion_at(motion, time);
+  const placing *at = motion ? &moved : NULL;
+  placed(at, round->centre, centre);
+  get_lane(seen_from, lane, eye);
+  if (!choose_of_ball(centre, round->radius, u, eye, &place)) return;
+  set_lane(&chosen->point, lane, place.point);
+  set_lane(&chosen->normal, lane, place.normal);
+  chosen->density.of[lane] = place.density * from->chance;
+  set_shining(made, from, motion, at, place.point, lane, chosen);
+}
+
+void emitter_choose(const tracer *made, const double time[PACKET], const pairs *u, const vectors *seen_from,
+                    uint32_t there, emitter_places *chosen) {
+  flat_emitters flat = {.length = {{0.0}}};
+  const emitter *picked[PACKET];
+  double numbers[PACKET][2];
+  uint32_t balls = 0;
+  *chosen = (emitter_places){.density = {{0.0}}};
+  for (uint32_t lane = 0; lane < PACKET; lane++) {
+    if (!((there >> lane) & 1)) continue;
+    numbers[lane][1] = u->row[1][lane];
+    picked[lane] = pick(made, u->row[0][lane], &numbers[lane][0]);
+    if (picked[lane]->of.kind == SPHERES)
+      balls |= UINT32_C(1) << lane;
+    else
+      put_flat(made, picked[lane], time[lane], numbers[lane], lane, &flat, chosen);
+  }
+  face(&flat, seen_from, chosen);
+  for (uint32_t lane = 0; lane < PACKET && balls; lane++)
+    if ((balls >> lane) & 1) put_ball(made, picked[lane], time[lane], numbers[lane], seen_from, lane, chosen);
 }
 
 double emitter_density(const tracer *made, double time, const meeting *met, const double origin[3],

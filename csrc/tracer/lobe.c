@@ -1,7 +1,7 @@
 #include "lobe.h"
 
 #include "concentric.h"
-#include "vector.h"
+#include "vectorise.h"
 
 #define COSINE_LEAST 1e-9 /* seen along the surface itself, a lobe has no direction */
 
@@ -15,12 +15,18 @@ static void normalise(double v[3]) {
   for (int i = 0; i < 3; i++) v[i] /= length;
 }
 
-void lobe_cosine(const double normal[3], const double u[2], double way[3]) {
-  double a[3], b[3], disc[2];
-  const double radius = asc_to_disc(u, disc), height = sqrt((1.0 - radius) * (1.0 + radius));
-  across(normal, a, b);
-  for (int i = 0; i < 3; i++) way[i] = disc[0] * a[i] + disc[1] * b[i] + height * normal[i];
+ASC_VECTORISE static void cosine_ways(const vectors *restrict normal, const pairs *restrict u, vectors *restrict way) {
+  for (uint32_t lane = 0; lane < PACKET; lane++) {
+    const double numbers[2] = {u->row[0][lane], u->row[1][lane]};
+    const double axis[3] = {normal->row[0][lane], normal->row[1][lane], normal->row[2][lane]};
+    double a[3], b[3], disc[2];
+    const double radius = asc_to_disc(numbers, disc), height = sqrt((1.0 - radius) * (1.0 + radius));
+    across(axis, a, b);
+    for (int i = 0; i < 3; i++) way->row[i][lane] = disc[0] * a[i] + disc[1] * b[i] + height * axis[i];
+  }
 }
+
+void lobe_cosine(const vectors *normal, const pairs *u, vectors *way) { cosine_ways(normal, u, way); }
 
 /* cos^(exponent + 1) of the angle to the axis is uniform; so is the square of a disc's radius, and its angle serves. */
 static void phong_sample(double exponent, const double axis[3], const double u[2], double way[3]) {

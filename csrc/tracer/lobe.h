@@ -4,6 +4,7 @@
 #define TRACER_LOBE_H
 
 #include "aliascope/scene.h"
+#include "vector.h"
 
 typedef struct lobe_at {
   double value;   /* the share of the radiance from there that is reflected, in a steradian: with the cosine */
@@ -17,7 +18,7 @@ lobe_at lobe_towards(const asc_lobe *lobe, const double normal[3], const double 
 double lobe_sample(const asc_lobe *lobe, const double normal[3], const double to_eye[3], const double u[2],
                    double way[3]);
 
-/* A direction of the hemisphere with the density cosine / pi. */
-void lobe_cosine(const double normal[3], const double u[2], double way[3]);
+/* The lanes' directions of the hemisphere that u chooses, with the density cosine / pi. */
+void lobe_cosine(const vectors *normal, const pairs *u, vectors *way);
 
 #endif

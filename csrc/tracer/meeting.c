@@ -1,9 +1,8 @@
 #include "meeting.h"
 
-#include <float.h>
-
 #include "arithmetic.h"
 #include "frames.h"
+#include "vectorise.h"
 
 static double along_plane(const plane *met, const double origin[3], const double direction[3]) {
   return (met->offset - dot(met->normal, origin)) / dot(met->normal, direction);
@@ -22,19 +21,22 @@ static double along_ball(const ball *met, const double origin[3], const double d
   return foot - half_chord > 0.0 ? foot - half_chord : foot + half_chord;
 }
 
+static const plane *plane_of_flat(const tracer *made, surface of) {
+  return of.kind == TRIANGLES ? &made->triangle_planes[of.number]
+         : of.kind == DISCS   ? &made->disc_planes[of.number]
+                              : &made->planes[of.number];
+}
+
 /* Again in double what Embree met in float, so that patterns and shadows start from the surface itself. */
 static double meet_at_rest(const tracer *made, surface of, const double origin[3], const double direction[3],
                            double normal[3]) {
-  const uint32_t kind = of.kind, primitive = of.number;
-  if (kind == SPHERES) {
-    const ball *met = &made->balls[primitive];
+  if (of.kind == SPHERES) {
+    const ball *met = &made->balls[of.number];
     const double t = along_ball(met, origin, direction);
     for (int i = 0; i < 3; i++) normal[i] = (origin[i] + t * direction[i] - met->centre[i]) / met->radius;
     return t;
   }
-  const plane *met = kind == TRIANGLES ? &made->triangle_planes[primitive]
-                     : kind == DISCS   ? &made->disc_planes[primitive]
-                                       : &made->planes[primitive];
+  const plane *met = plane_of_flat(made, of);
   for (int i = 0; i < 3; i++) normal[i] = met->normal[i];
   return along_plane(met, origin, direction);
 }
@@ -46,28 +48,34 @@ double meeting_slack(const tracer *made, const asc_motion *motion, const double 
   return motion_sagitta(motion, made->view.shutter_close - made->view.shutter_open) * sqrt(dot(out, out));
 }
 
-/* The same with what moves, at a time; and the material, normal and point of rest of the meeting. */
-static double meet(const tracer *made, surface of, double time, const double origin[3], const double direction[3],
-                   meeting *met) {
-  met->of = of;
-  met->material = &made->materials[made->material_of[of.kind][of.number]];
+/* What a surface that is round or moves gives of a meeting. */
+typedef struct found {
+  double distance, normal[3];
+  double rest[3]; /* where the surface had the point at time 0 */
+  double slack;   /* how far Embree's surface may be off for its motion in straight lines */
+} found;
+
+/* The same with what moves, at a time. */
+static found meet(const tracer *made, surface of, double time, const double origin[3], const double direction[3]) {
   const asc_motion *motion = tracer_motion(made, of);
-  met->slack = 0.0;
+  found met = {.slack = 0.0};
   if (!motion) {
-    const double t = meet_at_rest(made, of, origin, direction, met->normal);
-    for (int i = 0; i < 3; i++) met->rest[i] = origin[i] + t * direction[i];
-    return t;
+    met.distance = meet_at_rest(made, of, origin, direction, met.normal);
+    for (int i = 0; i < 3; i++) met.rest[i] = origin[i] + met.distance * direction[i];
+    return met;
   }
-  if (motion->kind == ASC_MOTION_FRAMES)
-    return frames_meet(made, of.number, time, origin, direction, met->normal, met->rest, &met->slack);
+  if (motion->kind == ASC_MOTION_FRAMES) {
+    met.distance = frames_meet(made, of.number, time, origin, direction, met.normal, met.rest, &met.slack);
+    return met;
+  }
   const placing at = motion_at(motion, time);
   double rest_origin[3], rest_direction[3], normal[3];
   motion_ray_to_rest(&at, origin, direction, rest_origin, rest_direction);
-  const double t = meet_at_rest(made, of, rest_origin, rest_direction, normal);
-  for (int i = 0; i < 3; i++) met->rest[i] = rest_origin[i] + t * rest_direction[i];
-  motion_turn(&at, normal, met->normal);
-  met->slack = meeting_slack(made, motion, met->rest);
-  return t;
+  met.distance = meet_at_rest(made, of, rest_origin, rest_direction, normal);
+  for (int i = 0; i < 3; i++) met.rest[i] = rest_origin[i] + met.distance * rest_direction[i];
+  motion_turn(&at, normal, met.normal);
+  met.slack = meeting_slack(made, motion, met.rest);
+  return met;
 }
 
 /* The distance along a ray to an endless plane, at a time. */
@@ -102,36 +110,200 @@ void meeting_colour(const tracer *made, const asc_material *material, const doub
   for (int i = 0; i < 3; i++) colour[i] = pattern->low[i] + (pattern->high[i] - pattern->low[i]) * mix;
 }
 
-void meeting_find(const tracer *made, const packet *rays, uint32_t lane, meeting *met) {
-  const double *origin = rays->origin[lane], *direction = rays->direction[lane];
-  const struct RTCHit16 *hit = &rays->rays.hit;
-  double nearest = INFINITY;
-  met->material = NULL;
-  if (hit->geomID[lane] != RTC_INVALID_GEOMETRY_ID) {
-    const surface found = tracer_surface(made, hit->geomID[lane], hit->primID[lane]);
-    nearest = meet(made, found, rays->time[lane], origin, direction, met);
-  }
-  for (uint32_t i = 0; i < made->plane_count; i++) {
-    const double t = along_moving_plane(made, i, rays->time[lane], origin, direction);
-    if (!(t > 0.0 && t < nearest)) continue;
-    nearest = meet(made, (surface){PLANES, i}, rays->time[lane], origin, direction, met);
-  }
-  if (!met->material) return;
-  met->distance = nearest;
-  const double side = dot(met->normal, direction) > 0.0 ? -1.0 : 1.0;
-  for (int i = 0; i < 3; i++) {
-    met->point[i] = origin[i] + nearest * direction[i];
-    met->normal[i] *= side;
-  }
-  meeting_colour(made, met->material, met->rest, met->colour);
+/* Where the lanes' rays end, before the points themselves are known. */
+typedef struct search {
+  alignas(64) double offset[PACKET]; /* of their planes, where `meetings` has the normals; both 0 where there is none */
+  alignas(64) double slack[PACKET];
+  vectors rest;    /* of the lanes that are in `others` alone */
+  int one;         /* whether all lanes meet the same surface, which is flat and stands still */
+  uint32_t others; /* bits: lanes that meet what is round or moves */
+} search;
+
+static int is_flat_and_still(const tracer *made, surface of) {
+  return of.kind != SPHERES && (made->motion_count == 0 || !tracer_motion(made, of));
 }
 
-/* Vertices and origin are rounded to 2^-24 of their largest coordinate, and a triangle's plane by a few times that; and
- * Embree's motion is off. */
-void meeting_lift(const double point[3], const double normal[3], double slack, double lifted[3]) {
-  double largest = 0.0;
-  for (int i = 0; i < 3; i++) largest = larger(largest, fabs(point[i]));
-  for (int i = 0; i < 3; i++) lifted[i] = point[i] + normal[i] * (16.0 * FLT_EPSILON * largest + 2.0 * slack);
+static const asc_material *material_of(const tracer *made, surface of) {
+  return &made->materials[made->material_of[of.kind][of.number]];
+}
+
+static void take_surface(const tracer *made, surface of, uint32_t lane, meetings *met, search *to) {
+  const uint32_t bit = UINT32_C(1) << lane;
+  met->of[lane] = of;
+  met->material[lane] = material_of(made, of);
+  to->slack[lane] = 0.0;
+  if (!is_flat_and_still(made, of)) {
+    to->others |= bit;
+    return;
+  }
+  const plane *facing = plane_of_flat(made, of);
+  set_lane(&met->normal, lane, facing->normal);
+  to->offset[lane] = facing->offset;
+  to->others &= ~bit;
+}
+
+static void set_material(const tracer *made, uint32_t lane, meetings *met) {
+  static const double black[3] = {0.0};
+  const asc_material *material = met->material[lane];
+  set_lane(&met->emission, lane, material ? material->emission : made->view.background);
+  if (made->light_count > 0 || made->transport.bounces > 0)
+    set_lane(&met->albedo, lane, material ? material->albedo : black);
+  if (made->transport.bounces > 0) set_lane(&met->reflection, lane, material ? material->reflection : black);
+}
+
+/* The same flat surface for all lanes. */
+static void take_one(const tracer *made, surface of, meetings *met, search *to) {
+  const plane facing = *plane_of_flat(made, of);
+  const asc_material *one = material_of(made, of), material = *one;
+  for (uint32_t lane = 0; lane < PACKET; lane++) {
+    met->of[lane] = of;
+    met->material[lane] = one;
+    to->slack[lane] = 0.0;
+    to->offset[lane] = facing.offset;
+    set_lane(&met->normal, lane, facing.normal);
+    set_lane(&met->albedo, lane, material.albedo);
+    set_lane(&met->emission, lane, material.emission);
+    set_lane(&met->reflection, lane, material.reflection);
+  }
+}
+
+/* Gives whether Embree met anything. */
+static int take_embrees(const tracer *made, const packet *rays, meetings *met, search *to) {
+  const struct RTCHit16 *hit = &rays->rays.hit;
+  uint32_t differ = 0, any = 0;
+  for (uint32_t lane = 0; lane < PACKET; lane++) {
+    const uint32_t there = rays->valid[lane] ? ~hit->geomID[lane] : 0;
+    differ |= (there ^ ~hit->geomID[0]) | (hit->primID[lane] ^ hit->primID[0]);
+    any |= there;
+  }
+  to->others = 0;
+  to->one = 0;
+  if (any && !differ) {
+    const surface of = tracer_surface(made, hit->geomID[0], hit->primID[0]);
+    if (is_flat_and_still(made, of)) {
+      take_one(made, of, met, to);
+      to->one = 1;
+      return 1;
+    }
+  }
+  for (uint32_t lane = 0; lane < PACKET; lane++) {
+    if (any && rays->valid[lane] && hit->geomID[lane] != RTC_INVALID_GEOMETRY_ID) {
+      take_surface(made, tracer_surface(made, hit->geomID[lane], hit->primID[lane]), lane, met, to);
+      continue;
+    }
+    met->material[lane] = NULL;
+    met->normal.row[0][lane] = met->normal.row[1][lane] = met->normal.row[2][lane] = 0.0;
+    to->offset[lane] = to->slack[lane] = met->distance[lane] = 0.0;
+  }
+  return any != 0;
+}
+
+/* For all lanes, as along_plane. */
+ASC_VECTORISE static void meet_flat(const packet *restrict rays, const search *restrict with, meetings *restrict met) {
+  for (uint32_t i = 0; i < PACKET; i++) {
+    const double origin[3] = {rays->origin.row[0][i], rays->origin.row[1][i], rays->origin.row[2][i]};
+    const double direction[3] = {rays->direction.row[0][i], rays->direction.row[1][i], rays->direction.row[2][i]};
+    const double normal[3] = {met->normal.row[0][i], met->normal.row[1][i], met->normal.row[2][i]};
+    const double along = dot(normal, direction);
+    met->distance[i] = (with->offset[i] - dot(normal, origin)) / (along == 0.0 ? 1.0 : along);
+  }
+}
+
+static void meet_other(const tracer *made, const packet *rays, uint32_t lane, meetings *met, search *with) {
+  double origin[3], direction[3];
+  get_lane(&rays->origin, lane, origin);
+  get_lane(&rays->direction, lane, direction);
+  const found there = meet(made, met->of[lane], rays->time[lane], origin, direction);
+  met->distance[lane] = there.distance;
+  with->slack[lane] = there.slack;
+  set_lane(&met->normal, lane, there.normal);
+  set_lane(&with->rest, lane, there.rest);
+}
+
+/* Planes that are nearer than what was met so far. Gives whether there are any. */
+static int meet_endless(const tracer *made, const packet *rays, uint32_t lane, meetings *met, search *with) {
+  double origin[3], direction[3];
+  get_lane(&rays->origin, lane, origin);
+  get_lane(&rays->direction, lane, direction);
+  int any = 0;
+  for (uint32_t i = 0; i < made->plane_count; i++) {
+    const double t = along_moving_plane(made, i, rays->time[lane], origin, direction);
+    if (!(t > 0.0 && t < (met->material[lane] ? met->distance[lane] : INFINITY))) continue;
+    take_surface(made, (surface){PLANES, i}, lane, met, with);
+    with->one = 0;
+    met->distance[lane] = t;
+    if ((with->others >> lane) & 1) meet_other(made, rays, lane, met, with);
+    any = 1;
+  }
+  return any;
+}
+
+ASC_VECTORISE static void set_points(const packet *restrict rays, const search *restrict with, meetings *restrict met) {
+  for (uint32_t lane = 0; lane < PACKET; lane++) {
+    const double direction[3] = {rays->direction.row[0][lane], rays->direction.row[1][lane],
+                                 rays->direction.row[2][lane]};
+    const double normal[3] = {met->normal.row[0][lane], met->normal.row[1][lane], met->normal.row[2][lane]};
+    const double side = dot(normal, direction) > 0.0 ? -1.0 : 1.0;
+    double point[3];
+    for (int i = 0; i < 3; i++) point[i] = rays->origin.row[i][lane] + met->distance[lane] * direction[i];
+    const double lift = meeting_lift(point, with->slack[lane]);
+    for (int i = 0; i < 3; i++) {
+      const double facing = normal[i] * side;
+      met->normal.row[i][lane] = facing;
+      met->point.row[i][lane] = point[i];
+      met->lifted.row[i][lane] = point[i] + facing * lift;
+      met->colour.row[i][lane] = 1.0;
+    }
+  }
+}
+
+ASC_VECTORISE static void set_ways_to_eye(const packet *restrict rays, meetings *restrict met) {
+  for (uint32_t lane = 0; lane < PACKET; lane++) {
+    const double direction[3] = {rays->direction.row[0][lane], rays->direction.row[1][lane],
+                                 rays->direction.row[2][lane]};
+    const double length = sqrt(dot(direction, direction));
+    for (int i = 0; i < 3; i++) met->to_eye.row[i][lane] = -direction[i] / length;
+  }
+}
+
+static void set_colours(const tracer *made, const search *with, meetings *met) {
+  for (uint32_t lane = 0; lane < PACKET; lane++) {
+    double rest[3], colour[3];
+    const asc_material *material = met->material[lane];
+    if (!material || material->pattern.kind == ASC_PATTERN_NONE) continue;
+    if ((with->others >> lane) & 1)
+      get_lane(&with->rest, lane, rest);
+    else
+      get_lane(&met->point, lane, rest);
+    meeting_colour(made, material, rest, colour);
+    set_lane(&met->colour, lane, colour);
+  }
+}
+
+int meeting_find(const tracer *made, const packet *rays, meetings *met) {
+  search with;
+  int any = take_embrees(made, rays, met, &with);
+  if (!any && made->plane_count == 0) return 0;
+  if (any) meet_flat(rays, &with, met);
+  for (uint32_t lane = 0; lane < PACKET && with.others; lane++)
+    if ((with.others >> lane) & 1) meet_other(made, rays, lane, met, &with);
+  for (uint32_t lane = 0; lane < PACKET && made->plane_count > 0; lane++)
+    if (rays->valid[lane]) any |= meet_endless(made, rays, lane, met, &with);
+  if (!any) return 0;
+  set_points(rays, &with, met);
+  for (uint32_t lane = 0; lane < PACKET && !with.one; lane++) set_material(made, lane, met);
+  if (made->has_patterns) set_colours(made, &with, met);
+  if (made->transport.mirror_bounces > 0) set_ways_to_eye(rays, met);
+  return 1;
+}
+
+meeting meeting_of(const meetings *met, uint32_t lane) {
+  meeting one = {.material = met->material[lane], .of = met->of[lane], .distance = met->distance[lane]};
+  get_lane(&met->point, lane, one.point);
+  get_lane(&met->normal, lane, one.normal);
+  get_lane(&met->lifted, lane, one.lifted);
+  get_lane(&met->colour, lane, one.colour);
+  return one;
 }
 
 int meeting_planes_block(const tracer *made, double time, const double origin[3], const double toward[3],

@@ -2,22 +2,36 @@
 #ifndef TRACER_MEETING_H
 #define TRACER_MEETING_H
 
+#include <float.h>
+
 #include "packet.h"
 
 typedef struct meeting {
   const asc_material *material; /* NULL: nowhere */
   surface of;
   double point[3];
-  double rest[3];   /* where the surface had that point at time 0 */
   double normal[3]; /* of length 1, toward where the ray came from */
+  double lifted[3]; /* the point moved along the normal by more than float can have moved the surface */
   double distance;  /* in lengths of the ray's direction */
-  double slack;     /* how far Embree's surface may be off for its motion in straight lines */
   double colour[3]; /* of the pattern */
 } meeting;
 
-/* The nearest of what Embree met and of the planes, along a lane's ray. Where there is none, `material` alone is set.
- */
-void meeting_find(const tracer *made, const packet *rays, uint32_t lane, meeting *met);
+/* Those of a packet's lanes. Where there is none the material is NULL, the normal and the albedo are 0, the colour is
+ * white, the emission the background's, and the rest any numbers. */
+typedef struct meetings {
+  vectors point, normal, lifted, colour;
+  vectors albedo, emission, reflection; /* of the materials; unset where nothing asks for it */
+  vectors to_eye;                       /* where the ray came from, of length 1; set where there are mirrors */
+  alignas(64) double distance[PACKET];
+  const asc_material *material[PACKET];
+  surface of[PACKET];
+} meetings;
+
+/* The nearest of what Embree met and of the planes, along the rays of the lanes that have one. Gives whether there is
+ * any. */
+int meeting_find(const tracer *made, const packet *rays, meetings *met);
+
+meeting meeting_of(const meetings *met, uint32_t lane);
 
 /* The colour of a material's pattern where its surface had a point at time 0: white where it has none. */
 void meeting_colour(const tracer *made, const asc_material *material, const double rest[3], double colour[3]);
@@ -25,8 +39,13 @@ void meeting_colour(const tracer *made, const asc_material *material, const doub
 /* How far Embree's surface may be off, for its motion in straight lines, round a point that it had at time 0. */
 double meeting_slack(const tracer *made, const asc_motion *motion, const double rest[3]);
 
-/* A point of a surface moved along its normal by more than float can have moved the surface. */
-void meeting_lift(const double point[3], const double normal[3], double slack, double lifted[3]);
+/* How far a point of a surface is to be lifted; `slack` as above. Vertices and origin are rounded to 2^-24 of their
+ * largest coordinate, and a triangle's plane by a few times that; and Embree's motion is off. */
+static inline double meeting_lift(const double point[3], double slack) {
+  double largest = 0.0;
+  for (int i = 0; i < 3; i++) largest = larger(largest, fabs(point[i]));
+  return 16.0 * FLT_EPSILON * largest + 2.0 * slack;
+}
 
 /* Whether an endless plane lies on the way. */
 int meeting_planes_block(const tracer *made, double time, const double origin[3], const double toward[3],

@@ -9,6 +9,7 @@ void packet_begin(packet *rays) {
   rtcInitIntersectContext(&rays->context);
   rays->context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   rtcInitIntersectContext(&rays->scattered);
+  for (uint32_t i = 0; i < PACKET; i++) rays->shadows.mask[i] = UINT32_MAX;
 }
 
 /* Rays through the lanes' samples. Perspective: from the eye, t is the depth; orthographic: from the eye's plane. */

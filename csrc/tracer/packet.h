@@ -6,8 +6,6 @@
 
 #include "scene.h"
 
-#define PACKET 16
-
 /* Rays that were traced, beside those from the eye. */
 typedef struct ray_counts {
   uint64_t reflection; /* along mirrors and in their lobes */
@@ -15,20 +13,20 @@ typedef struct ray_counts {
   uint64_t shadow;
 } ray_counts;
 
-/* How a lane's path has come to where its ray ends. */
-typedef struct path {
-  double throughput[3]; /* the share of the radiance there that the path brings to the eye, over its chances */
-  uint32_t mirrors_left, scatters_left;
-  double density; /* with which its last direction was chosen, in a steradian; -1 where there was no choice */
-  double mirror,
-      scatter; /* the chances that it goes on by the reflection, or by the albedo; set once a ray has ended */
-} path;
-
 typedef struct packet {
   alignas(64) struct RTCRayHit16 rays;
   alignas(64) struct RTCRay16 shadows;
   alignas(64) int valid[PACKET];    /* which lanes have a ray */
   alignas(64) int shadowed[PACKET]; /* which lanes have a shadow ray */
+  /* Of the rays again, in double; unset where the scene is plain, as the rows that follow. */
+  vectors origin, direction;
+  /* The share of the radiance where a ray ends that its path brings to the eye, over its chances; and what it has
+   * brought. */
+  vectors throughput, gathered;
+  /* Unset where no path goes on: how many bounces the paths have left; the density with which their last directions
+   * were chosen, in a steradian, -1 where there was no choice; and, once a ray has ended, the chances that its path
+   * goes on by the reflection, or by the albedo. */
+  scalars mirrors_left, scatters_left, density, mirror, scatter;
   struct RTCIntersectContext context,
       scattered;                     /* for rays from the eye, and to the lights from what they meet; others */
   const double *sample_x, *sample_y; /* where in the picture, in pixels: numbers for all lanes */
@@ -36,12 +34,15 @@ typedef struct packet {
                                     that are not in use are any */
   const double (*lens)[2];       /* where there is one, [PACKET] points of it, along right and up */
   double time[PACKET];           /* set where something moves */
-  uint32_t lanes;                /* how many are in use, the first ones */
-  double origin[PACKET][3], direction[PACKET][3]; /* of the rays again, in double; unset where the scene is plain */
-  path paths[PACKET];                             /* likewise */
-  double (*radiance)[4]; /* [PACKET], the fourth of each not used, so that three of all lanes are read alike */
+  double (*radiance)[4];         /* [PACKET], the fourth of each not used, so that three of all lanes are read alike */
   ray_counts counts;
+  uint32_t lanes; /* how many are in use, the first ones */
 } packet;
+
+/* The further numbers of a lane, or of the first for one that is not in use. */
+static inline const double *packet_numbers(const packet *rays, uint32_t lane) {
+  return rays->further[lane < rays->lanes ? lane : 0];
+}
 
 /* Sets what never changes. */
 void packet_begin(packet *rays);

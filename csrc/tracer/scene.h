@@ -68,6 +68,7 @@ struct tracer {
   transport transport;
   asc_material *materials; /* pattern origins relative to the eye, along the world's axes */
   size_t material_count;
+  int has_patterns;
   light_source *lights;
   size_t light_count;
   uint32_t *material_of[GEOMETRY_KINDS]; /* by primitive */

@@ -1,8 +1,13 @@
-/* Three-dimensional vectors in double. */
+/* Three-dimensional vectors in double; those of lanes that are traced together lie in rows, a coordinate of all lanes
+ * after each other, for loops over lanes that compilers vectorise. */
 #ifndef TRACER_VECTOR_H
 #define TRACER_VECTOR_H
 
 #include <math.h>
+#include <stdalign.h>
+#include <stdint.h>
+
+#define PACKET 16 /* lanes */
 
 static inline double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -16,6 +21,26 @@ static inline void cross(const double a[3], const double b[3], double product[3]
 static inline double larger(double a, double b) { return a > b ? a : b; }
 
 static inline int finite3(const double v[3]) { return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]); }
+
+typedef struct vectors {
+  alignas(64) double row[3][PACKET];
+} vectors;
+
+typedef struct scalars {
+  alignas(64) double of[PACKET];
+} scalars;
+
+typedef struct pairs {
+  alignas(64) double row[2][PACKET];
+} pairs;
+
+static inline void get_lane(const vectors *of, uint32_t lane, double v[3]) {
+  for (int i = 0; i < 3; i++) v[i] = of->row[i][lane];
+}
+
+static inline void set_lane(vectors *of, uint32_t lane, const double v[3]) {
+  for (int i = 0; i < 3; i++) of->row[i][lane] = v[i];
+}
 
 /* Two directions of length 1 across a third (Duff et al. 2017, "Building an orthonormal basis, revisited"). */
 static inline void across(const double w[3], double a[3], double b[3]) {
