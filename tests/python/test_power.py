@@ -252,7 +252,7 @@ def test_the_table_says_of_each_scene_what_the_best_cell_caught() -> None:
         "| all values times 1.01 | 2 of 2 scenes, 22 of 22 times; 3.2 x on `a` | 1 of 1 scenes, 11 of 11 times |"
         in text
     )
-    assert "0 of 1000 repetitions" in text
+    assert "0 of 1000 repetitions of the whole suite" in text
     assert "below 0.3 % of runs" in text
     assert "3 of 80 pictures of 5 cells have other bits: no alarm" in text
 
@@ -315,7 +315,7 @@ def test_the_command_measures_writes_and_keeps(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr(power, "DEFECTS", wanted)
     monkeypatch.setattr(power, "REPEATED", tuple(wanted))
     found = run(*words, "--pool", "32", "--tries", "1").stdout.splitlines()
-    assert found[0].startswith("0 of 30 repetitions of the whole suite")
+    assert found[0].startswith("0 of 30 repetitions of the suite on tiny alone")
     assert "The suite has 1 cells" in found[0]
     assert any(line.startswith("gain 1 %") and "1 of 1 scenes, 2 of 2 times" in line for line in found)
     assert found[-2:] == ["holds", str(tmp_path / "out" / "power.md")]

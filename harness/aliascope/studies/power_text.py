@@ -80,8 +80,10 @@ def null_text(answer: Answer) -> str:
     """Of false alarms, in a sentence or two."""
     null = answer.null
     shares = ", ".join(f"{name} {100 * share:g} %" for name, share in SHARES.items())
+    scenes = sorted({scene for own in answer.drawn.values() for scene in own})
+    what = f"the suite on {', '.join(scenes)} alone" if answer.asked.scenes else "the whole suite"
     return (
-        f"{null.alarms} of {null.repetitions} repetitions of the whole suite in which nothing changed raised an alarm: "
+        f"{null.alarms} of {null.repetitions} repetitions of {what} in which nothing changed raised an alarm: "
         f"below {100 * null.bound:.2g} % of runs, with 95 % confidence. The suite has {answer.cells} cells and "
         f"{answer.tests} statistical tests, which share a significance of {100 * answer.significance:g} % ({shares}, "
         f"each divided evenly); {answer.seeded} cells have seeds, and took other pictures for each repetition, now and "
