@@ -60,11 +60,11 @@ static void take_colour(const tracer *made, sight seen, const sample_rows *of) {
 ASC_VECTORISE static void set_rays(tile *restrict on) {
   const asc_view *view = on->view;
   const double width = view->width, height = view->height, half_width = view->half_width,
-               half_height = view->half_height;
+               half_height = view->half_height, right = view->shift[0], down = view->shift[1];
   const double *restrict x = on->of.x, *restrict y = on->of.y;
   for (size_t i = 0; i < on->of.count; i++) {
-    on->u[i] = (quotient(2.0 * x[i], width, 1.0 / width) - 1.0) * half_width;
-    on->v[i] = (1.0 - quotient(2.0 * y[i], height, 1.0 / height)) * half_height;
+    on->u[i] = (quotient(2.0 * (x[i] - right), width, 1.0 / width) - 1.0) * half_width;
+    on->v[i] = (1.0 - quotient(2.0 * (y[i] - down), height, 1.0 / height)) * half_height;
   }
 }
 

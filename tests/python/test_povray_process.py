@@ -16,6 +16,7 @@ import pytest
 from povray_scenes import PLAIN, render
 
 from aliascope.errors import AliascopeError, JobFailed, NotAvailable
+from aliascope.renderers import povray_process
 from aliascope.renderers.povray import RENDERER
 from aliascope.renderers.povray_process import KEPT_BYTES, run, run_all
 
@@ -74,6 +75,22 @@ def test_an_error_exit_shows_its_last_lines(fake: Any) -> None:
     fake("echo early; echo 'Parse Error: No matching' >&2; echo ' brace \033[1m' >&2; echo 'Render failed' >&2; exit 1")
     message = failure(JobFailed)
     assert "status 1: Parse Error: No matching brace ?[1m Render failed" in message
+
+
+STARVED = r"echo run >> runs; printf 'Timed out waiting for\n  worker thread startup\n' >&2; exit 1"
+
+
+def test_one_that_was_too_busy_to_start_is_started_again(fake: Any, tmp_path: Path) -> None:
+    """Its words are broken over lines where they happen to be; the folder is the same in all tries of a picture."""
+    good = fake_povray.leaving(fake_povray.write_png(tmp_path / "good.png", 8, 8))
+    fake(f"if [ $(wc -l < runs || echo 0) -ge 2 ]; then {good}; else {STARVED}; fi")
+    assert render(PLAIN, "none").cost.samples == 64
+
+
+def test_one_that_never_starts_is_given_up(fake: Any, tmp_path: Path) -> None:
+    fake(f"echo try >> {tmp_path}/tries; {STARVED}")
+    assert "worker thread startup" in failure(JobFailed)
+    assert (tmp_path / "tries").read_text().count("try") == povray_process.STARTS
 
 
 def test_death_by_a_signal_is_named(fake: Any) -> None:

@@ -54,7 +54,7 @@ OSMESA = "accumulate:n=8,sampler=halton"
 FRAMES = "accumulate:n=3,sampler=halton"
 CASES = [
     # Flat and orthographic; patterns and a horizon in perspective; lights and their shadows.
-    *((scene, "embree", EMBREE) for scene in ("edge", "checker-horizon", "spheres")),
+    *((scene, "embree", EMBREE) for scene in ("edge", "zone-plate", "checker-horizon", "spheres")),
     *((scene, "osmesa", OSMESA) for scene in ("edge", "discs", "zone-plate", "checker-horizon", "spheres")),
     ("spheres", "osmesa", "msaa:n=8,sample-shading=1"),
     ("edge", "povray", "none"),

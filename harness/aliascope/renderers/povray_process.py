@@ -34,6 +34,11 @@ MESSAGE_LINES, MESSAGE_CHARACTERS = 3, 300
 VERSION_TIME_LIMIT = 30.0
 """Seconds; `povray --version` takes 0.05."""
 
+STARVED = "Timed out waiting for worker thread startup"
+"""What povray says on a machine that is too busy to start its threads in time: it gives up before it has begun."""
+STARTS = 4
+"""How often it is started then, at most."""
+
 _CHECK_EVERY = 0.1
 """Seconds between looks at whether the program has ended while something else holds its pipe open."""
 
@@ -94,21 +99,17 @@ def run(path: str, arguments: list[str], folder: Path, time_limit: float, frames
 
 def run_all(path: str, runs: list[list[str]], folder: Path, time_limit: float, frames: int = 1) -> list[str]:
     """Runs povray in `folder` with each of these arguments, all at once, and returns the last KEPT_BYTES of what each
-    prints, more where it renders many frames.
+    prints, more where it renders many frames. Where it was STARVED, they are all run again.
 
     Raises JobFailed where one fails, is killed, or has not ended after `time_limit` seconds on the wall, and
     NotAvailable where it cannot be started. Afterwards no process of them is left.
     """
     most = max(KEPT_BYTES, frames * KEPT_BYTES_A_FRAME)
-    started: list[_Running] = []
-    try:
-        for arguments in runs:
-            process = _start(path, arguments, folder)
-            started.append(_Running(process, bytearray()))
-        failed, in_time = _collect(started, time.monotonic() + time_limit, most)
-    finally:
-        for each in started:
-            _end(each.process)
+    deadline = time.monotonic() + time_limit
+    for _ in range(STARTS):
+        started, failed, in_time = _run_once(path, runs, folder, deadline, most)
+        if failed is None or STARVED not in " ".join(failed.text.split()):
+            break
     if not in_time:
         raise JobFailed(f"povray had not ended after {time_limit:.3g} s, its time limit, and was killed")
     if failed is not None:
@@ -116,6 +117,21 @@ def run_all(path: str, runs: list[list[str]], folder: Path, time_limit: float, f
         end = f"was killed by {_signal_name(-status)}" if status < 0 else f"exited with status {status}"
         raise JobFailed(f"povray {end}: {_last_lines(failed.text)}")
     return [each.text for each in started]
+
+
+def _run_once(
+    path: str, runs: list[list[str]], folder: Path, deadline: float, most: int
+) -> tuple[list[_Running], _Running | None, bool]:
+    """All of them, the first that failed, and whether they ended before the deadline."""
+    started: list[_Running] = []
+    try:
+        # One by one: where one does not start, those before it are ended.
+        started.extend(_Running(_start(path, arguments, folder), bytearray()) for arguments in runs)
+        failed, in_time = _collect(started, deadline, most)
+    finally:
+        for each in started:
+            _end(each.process)
+    return started, failed, in_time
 
 
 @dataclass(frozen=True)
