@@ -10,12 +10,17 @@ from concurrent.futures import TimeoutError as FutureTimeout
 from types import TracebackType
 from typing import Any, Generic, TypeVar
 
+import pebble
 from pebble import ProcessExpired, ProcessPool
 
 from aliascope.errors import JobFailed
 from aliascope.native import samplers
 
 Result = TypeVar("Result")
+
+PIPE_PATIENCE = 600.0
+"""Seconds that a process waits for its turn at the pipe to the parent before it ends itself. Pebble's 60 are too few
+beside a parent that gets a hundredth of a busy machine."""
 
 
 class Task(Generic[Result]):
@@ -79,6 +84,7 @@ class Workers:
 
 
 def _begin(plugins: list[str]) -> None:
+    pebble.CONSTS.channel_lock_timeout = PIPE_PATIENCE
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
     for plugin in plugins:
         samplers.load_plugin(plugin)
