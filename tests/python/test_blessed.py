@@ -12,10 +12,13 @@ from typing import Any
 import pytest
 from regress_runs import BLOCKS, EDGE, STAR, observed
 
-from aliascope import scene_io
+from aliascope import places, renderers, scene_io
 from aliascope.errors import CheckFailed, NotWritable
 from aliascope.regression import blessed
 from aliascope.regression.records import Blessed, CellName
+from aliascope.regression.verdict import mismatch
+from aliascope.renderers.base import filter_of
+from aliascope.studies import regress_suite
 
 
 def made(name: CellName = EDGE, seeded: bool = True, scale: float = 1.0, reason: str = "as planned") -> Blessed:
@@ -198,6 +201,20 @@ def test_what_cannot_be_written_is_said(tmp_path: Path) -> None:
     (tmp_path / "blessings.jsonl").mkdir()
     with pytest.raises(NotWritable, match="cannot be written"):
         blessed.log(tmp_path, made(), None)
+
+
+def test_every_cell_of_the_suite_is_blessed_for_the_scenes_as_they_are() -> None:
+    files = [scene_io.load(name) for name in scene_io.names()]
+    cells, _ = regress_suite.cells_of(files, list(renderers.RENDERERS))
+    found = {}
+    for cell in cells:
+        key = cell.name.scene, cell.name.renderer
+        if key not in found:
+            found[key] = blessed.load(places.REFERENCES, *key)
+        kept = found[key][cell.name.mode]
+        assert not mismatch(kept, cell.file.scene.digest(), cell.file.scene.view.size, filter_of(cell.spec), cell.draws)
+        assert kept.observed.judged == cell.judged
+    assert {name for modes in found.values() for name in modes} == {cell.name.mode for cell in cells}
 
 
 def test_no_scene_is_named_as_the_log() -> None:
