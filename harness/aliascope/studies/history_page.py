@@ -125,8 +125,8 @@ def _why(step: Step) -> str:
         return "exact"
     digits, _, power = f"{step.p_value:.1e}".partition("e")
     if int(power) >= -3:
-        return f"p = {step.p_value:.2g}"
-    return f"p = {digits}\u202f×\u202f10{str(int(power)).translate(_SUPERSCRIPTS)}"
+        return f"p\u00a0=\u00a0{step.p_value:.2g}"
+    return f"p\u00a0=\u00a0{digits}\u202f×\u202f10{str(int(power)).translate(_SUPERSCRIPTS)}"
 
 
 def _notes(answer: Answer) -> tuple[tuple[str, str], ...]:
