@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from commands import complaint, run
+from inline_workers import Inline
 
 from aliascope import scene_io
 from aliascope.geometry import Array
@@ -304,29 +305,6 @@ def test_a_wider_pixel_is_caught_and_measured(drawn: Drawn) -> None:
 
 
 # --- the command ------------------------------------------------------------------------------------------------------
-
-
-@dataclasses.dataclass(frozen=True)
-class Now:
-    """A task that is done when it is asked for."""
-
-    result: Callable[[], Any]
-
-
-class Inline:
-    """Workers that work here and now."""
-
-    def __init__(self, processes: int) -> None:
-        pass
-
-    def __enter__(self) -> Inline:
-        return self
-
-    def __exit__(self, *of: object) -> None:
-        pass
-
-    def begin(self, task: Callable[..., Any], arguments: Sequence[Any], time_limit: float) -> Now:
-        return Now(lambda: task(*arguments))
 
 
 OPTIONS = ("--size", "24x16", "--samples", "4", "--replicates", "8")

@@ -20,6 +20,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from commands import complaint, environment, run
+from inline_workers import Inline
 
 from aliascope import history, places, renderers
 from aliascope.errors import JobFailed
@@ -33,29 +34,6 @@ SEEDED = "uniform:n=64,sampler=sobol,sampler.scramble=owen"
 FIXED = "uniform:n=16,sampler=regular"
 """Judged by what was blessed."""
 EMBREE = ("-r", "embree", "-m", SEEDED, "-m", FIXED)
-
-
-@dataclasses.dataclass(frozen=True)
-class Now:
-    """A task that is done when it is asked for."""
-
-    result: Callable[[], Any]
-
-
-class Inline:
-    """Workers that work here and now."""
-
-    def __init__(self, processes: int) -> None:
-        pass
-
-    def __enter__(self) -> Inline:
-        return self
-
-    def __exit__(self, *of: object) -> None:
-        pass
-
-    def begin(self, task: Callable[..., Any], arguments: Sequence[Any], time_limit: float) -> Now:
-        return Now(lambda: task(*arguments))
 
 
 def tiny(folder: Path, **change: str) -> None:
