@@ -107,8 +107,7 @@ def test_a_step_leads_to_its_mode(opened: Open) -> None:
     expect(page.locator(".row[aria-pressed=true]")).to_contain_text("embree")
     expect(page.locator("svg.runs").first.locator(".step-mark.up")).to_have_count(1)
     expect(page.locator("svg.runs").first.locator(".failed")).to_have_count(1)
-    page.wait_for_function("location.hash.includes('mode=embree')")
-    assert CHANGED.mode in page.evaluate("decodeURIComponent(location.hash)")
+    page.wait_for_function("(mode) => decodeURIComponent(location.hash).includes(mode)", arg=CHANGED.mode)
 
 
 def test_keys_walk_the_runs_and_say_them(opened: Open) -> None:

@@ -224,11 +224,11 @@ def _worst(
 
 # --- values and variance ----------------------------------------------------------------------------------------------
 #
-# The limits of values are wider than what fresh seeds make of a cell. Of the pools of `make power`, 128 replicates of each
-# of the 69 seeded cells (64 where light bounces, 48 in POV-Ray), 16 were drawn for "now" and 16 for "blessed" 300 times:
-# no least value came to 0.03 of what is granted to it, no largest to 0.74, no outlier to 0.64. Where all pixels share
-# their samples, values go in steps of one sample, and 16 pictures may all stand on one step: without the share of two
-# samples, the largest value alone failed 152 of 1,000 runs. Outliers have the longest tail: two of 64 pictures of
+# The limits of values are wider than what fresh seeds make of a cell. Of the pools of `make power`, 128 replicates of
+# each of the 69 seeded cells (64 where light bounces, 48 in POV-Ray), 16 were drawn for "now" and 16 for "blessed" 300
+# times: no least value came to 0.03 of what is granted to it, no largest to 0.74, no outlier to 0.64. Where all pixels
+# share their samples, values go in steps of one sample, and 16 pictures may all stand on one step: without the share of
+# two samples the largest value alone failed 152 of 1,000 runs. Outliers have the longest tail: two of 64 pictures of
 # `highlights`, 10^4 times as bright as the night behind, with random samples, had 3.3 times the median, and 3 times the
 # largest of 16 was exceeded in 3 of 1,000 runs. A firefly is the largest value by far. The variance between replicates
 # fell below half once in 69,000 times.
