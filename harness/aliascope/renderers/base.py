@@ -62,8 +62,8 @@ class Request:
 class Renderer(Protocol):
     """A renderer. `title` is what people call it; `draws` are the features of scenes that it can draw.
 
-    `native` names its own modules of `aliascope.native`, each with a library libaliascope-NAME.so. With these, its
-    files are `renderers/NAME*.py`: pictures are made again when one of them changes.
+    `native` names its own libraries libaliascope-NAME.so, and the modules of `aliascope.native` that wrap them. With
+    these, its files are `renderers/NAME*.py`: pictures are made again when one of them changes.
     `probe_mode` is a mode that resolves a hundredth of a pixel, its pattern centred in the pixel; `single_mode` has one
     sample, at the pixel's centre. Neither is random. They draw polygons seen orthographically at least: `doctor` looks
     at those.
