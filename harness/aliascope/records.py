@@ -92,8 +92,8 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A figure and its standard error: None where it is not known, 0 where the figure is exact. `interval`: that of 95 %
-    where it was found otherwise than by two standard errors."""
+    """A figure and its standard error: None where it is not known, 0 where the figure is exact. `interval`: that of
+    95 % where it was found otherwise than by two standard errors."""
 
     value: float | None
     standard_error: float | None = None
@@ -158,8 +158,8 @@ class ModeRow:
 class Noise:
     """How steady the machine was: a fixed job of calibration, run throughout a comparison.
 
-    `seconds` is the median CPU time of the job, `spread` the standard deviation of its times over that, `drift` how much
-    slower the last quarter of the runs was than the first (0.01: by 1 %), `slowest` the largest time over the median.
+    `seconds` is the median CPU time of the job, `spread` the standard deviation of its times over that, `drift` by how
+    much the last quarter of the runs was slower than the first (0.01: 1 %), `slowest` the largest time over the median.
     `loaded`: something else ran on the machine, so that times are not to be trusted; `told` says so, or that it was
     quiet, in one sentence.
     """

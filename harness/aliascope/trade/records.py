@@ -34,9 +34,9 @@ family's error does not fall that far, or its time is not that short."""
 
 @dataclass(frozen=True)
 class Reach:
-    """What a family of modes (those of a renderer that differ in their count alone) takes to reach `error`, and the mode
-    to choose: the fastest that reaches it, or that comes nearest. `seconds` is None where it cannot. `best` is the least
-    error that was measured of the family."""
+    """What a family of modes (those of a renderer that differ in their count alone) takes to reach `error`, and the
+    mode to choose: the fastest that reaches it, or that comes nearest. `seconds` is None where it cannot. `best` is the
+    least error that was measured of the family."""
 
     renderer: str
     family: str
@@ -64,7 +64,8 @@ class Afford:
 
 @dataclass(frozen=True)
 class Convergence:
-    """How fast the error of a family falls: as samples^exponent, and as CPU seconds^per_time. `curved`: not as a power."""
+    """How fast the error of a family falls: as samples^exponent, and as CPU seconds^per_time. `curved`: not as a
+    power."""
 
     renderer: str
     family: str
@@ -111,9 +112,9 @@ class Ratio:
 
 @dataclass(frozen=True)
 class Knob:
-    """What one setting of one key does to time and error, all other keys being the same: the geometric mean, over scenes
-    and the other keys' values, of the ratios to the setting `baseline`. `kind` is "mode" for keys of modes, or what else
-    was turned ("measure")."""
+    """What one setting of one key does to time and error, all other keys being the same: the geometric mean, over
+    scenes and the other keys' values, of the ratios to the setting `baseline`. `kind` is "mode" for keys of modes, or
+    what else was turned ("measure")."""
 
     renderer: str
     form: str
