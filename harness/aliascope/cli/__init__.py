@@ -17,6 +17,7 @@ from aliascope.cli import (
     powering,
     regressing,
     sampling,
+    sweeping,
     teaching,
 )
 from aliascope.cli.shared import app
@@ -35,6 +36,7 @@ __all__ = [
     "powering",
     "regressing",
     "sampling",
+    "sweeping",
     "teaching",
 ]
 

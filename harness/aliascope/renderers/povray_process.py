@@ -60,6 +60,21 @@ _PRCTL = ctypes.CDLL(None).prctl if sys.platform == "linux" else None
 _PR_SET_PDEATHSIG = 1
 
 
+class RunFailed(JobFailed):
+    """povray ended with an error; `output` is what it printed, `status` its exit status, negative for a signal."""
+
+    def __init__(self, message: str, output: str, status: int) -> None:
+        super().__init__(message)
+        self.output, self.status = output, status
+
+    def __reduce__(self) -> tuple[type[RunFailed], tuple[str, str, int]]:  # it may come from a worker process
+        return RunFailed, (str(self), self.output, self.status)
+
+
+class TimeLimit(JobFailed):
+    """povray had not ended within its time limit."""
+
+
 @dataclass(frozen=True)
 class Statistics:
     """What povray prints of one frame.
@@ -99,42 +114,52 @@ def version(path: str) -> str:
     return found[1]
 
 
-def run(path: str, arguments: list[str], folder: Path, time_limit: float, frames: int = 1) -> str:
+def run(
+    path: str,
+    arguments: list[str],
+    folder: Path,
+    time_limit: float,
+    frames: int = 1,
+    user_folder: Path | None = None,
+) -> str:
     """Runs povray in `folder`, and returns the last KEPT_BYTES of what it prints, more where it renders many frames.
-    Where it was STARVED, it is run again.
+    Where it was STARVED, it is run again. The only ini file that it reads is aliascope.ini in `folder`. `user_folder`:
+    where it runs instead, for a user's own scene, which sees the user's home.
 
-    Raises JobFailed where it fails, is killed, or has not ended after `time_limit` seconds on the wall, and
-    NotAvailable where it cannot be started. Afterwards no process of it is left.
+    Raises RunFailed where it fails or is killed, TimeLimit where it has not ended after `time_limit` seconds on the
+    wall, and NotAvailable where it cannot be started. Afterwards no process of it is left.
     """
     most = max(KEPT_BYTES, frames * KEPT_BYTES_A_FRAME)
     deadline = time.monotonic() + time_limit
     for _ in range(STARTS):
-        process = _start(path, arguments, folder)
+        process = _start(path, arguments, folder, user_folder)
         try:
             text, in_time = _collect(process, deadline, most)
         finally:
             _end(process)
         if not in_time:
-            raise JobFailed(f"povray had not ended after {time_limit:.3g} s, its time limit, and was killed")
+            raise TimeLimit(f"povray had not ended after {time_limit:.3g} s, its time limit, and was killed")
         if process.returncode == 0:
             return text
         if STARVED not in " ".join(text.split()):
             break
     status = process.returncode
     end = f"was killed by {_signal_name(-status)}" if status < 0 else f"exited with status {status}"
-    raise JobFailed(f"povray {end}: {_last_lines(text)}")
+    raise RunFailed(f"povray {end}: {_last_lines(text)}", text, status)
 
 
-def _start(path: str, arguments: list[str], folder: Path) -> subprocess.Popen[bytes]:
+def _start(path: str, arguments: list[str], folder: Path, user_folder: Path | None) -> subprocess.Popen[bytes]:
     ini = folder / "aliascope.ini"
     preloaded = " ".join(
         filter(None, (os.environ.get("LD_PRELOAD"), str(SHORT_WAITS) if SHORT_WAITS.is_file() else ""))
     )
-    environment = {**os.environ, "POVINI": str(ini), "HOME": str(folder), "LC_ALL": "C", "LD_PRELOAD": preloaded}
+    environment = {**os.environ, "POVINI": str(ini), "LC_ALL": "C", "LD_PRELOAD": preloaded}
+    if user_folder is None:
+        environment["HOME"] = str(folder)
     try:
         return subprocess.Popen(
             [path, *arguments],
-            cwd=folder,
+            cwd=user_folder or folder,
             env=environment,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
