@@ -11,7 +11,7 @@ from commands import complaint, run
 from numpy.typing import NDArray
 from reference_scenes import SIZE, box, disc, polygon, scene, stored
 
-from aliascope import draws, references
+from aliascope import api, draws
 from aliascope.errors import CheckFailed, InvalidInput
 from aliascope.geometry import frame_of
 from aliascope.image import read_header, read_image, write_exr
@@ -321,10 +321,15 @@ def test_the_command_makes_one_shift_or_those_of_all_draws(tmp_path: Path) -> No
     )
     document = json.loads(run(*at, "--draws", "--json").stdout)
     shifts = [draws.shift_of(draw) for draw in range(draws.MOST)]
+
+    def moved(shift: Shift) -> Reference:
+        return make(stored("edge"), (24, 18), shift=shift)
+
     assert [tuple(each["shift"]) for each in document["references"]] == shifts
     for shift in shifts:
         loaded = files.load(tmp_path, "edge", stored("edge"), (24, 18), "box", shift)
-        assert np.array_equal(loaded.pixels, references.make(stored("edge"), (24, 18), shift=shift).pixels)
+        assert np.array_equal(loaded.pixels, moved(shift).pixels)
+    assert np.array_equal(api.reference("edge", size=(24, 18), shift=shifts[1]).pixels, moved(shifts[1]).pixels)
     held = run(*at, "--draws", "--verify").stdout.splitlines()
     assert [line.partition(":")[0] for line in held] == [
         "edge",
