@@ -31,6 +31,7 @@ struct block_work {
   double *points;                              /* [MOST_ROWS][dimensions] */
   uint32_t dimensions;
   int weighted;
+  int single;       /* sums are kept in float */
   uint64_t samples; /* a pixel */
   block area;
   film_cell sum[BLOCK_SIDE * BLOCK_SIDE];
@@ -44,6 +45,7 @@ block_work *block_work_make(const tracer *made) {
   memset(memory, 0, sizeof *memory);
   packet_begin(&memory->rays);
   memory->dimensions = tracer_dimensions(made);
+  memory->single = made->options.film == TRACER_FILM_FLOAT;
   memory->points = malloc((size_t)MOST_ROWS * memory->dimensions * sizeof(double));
   if (!memory->points) {
     block_work_free(memory);
@@ -195,11 +197,28 @@ ASC_VECTORISE static void add_rows(const double (*radiance)[4], const double *we
   *into = sum;
 }
 
+/* The same in float, to a sum that is one of floats. */
+ASC_VECTORISE static void add_rows_single(const double (*radiance)[4], const double *weights, size_t count,
+                                          film_cell *into) {
+  film_cell_single sum = __builtin_convertvector(*into, film_cell_single);
+  for (size_t i = 0; i < count; i++) {
+    film_cell more;
+    memcpy(&more, radiance[i], sizeof more);
+    sum += __builtin_convertvector(weights ? weights[i] * more : more, film_cell_single);
+  }
+  *into = __builtin_convertvector(sum, film_cell);
+}
+
 static void add_to_sums(block_work *memory, cursor *at, size_t rows) {
   for (size_t i = 0, count; i < rows; i += count) {
     film_cell *into = &memory->sum[at->pixel];
     count = advance(at, memory->samples, rows - i);
-    add_rows((const double(*)[4])memory->radiance + i, memory->weighted ? memory->weights + i : NULL, count, into);
+    const double(*radiance)[4] = (const double(*)[4])memory->radiance + i, *weights = NULL;
+    if (memory->weighted) weights = memory->weights + i;
+    if (memory->single)
+      add_rows_single(radiance, weights, count, into);
+    else
+      add_rows(radiance, weights, count, into);
   }
 }
 
