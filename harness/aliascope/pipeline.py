@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from aliascope import image, metrics, places, renderers
+from aliascope import draws, image, metrics, places, renderers
 from aliascope.errors import AliascopeError, InvalidInput
 from aliascope.jobs import Plan, judged_by, mode_of, plugin_versions, plugins_of
 from aliascope.records import Job, Outcome, Pixels, Rendering
@@ -82,7 +82,7 @@ def provenance(
     shown = {**versions, **plugin_versions(mode_of(job))}
     moved = shift != Request.shift
     return {
-        **({"shift": _pair(shift)} if moved else {"key": job.key}),
+        **({"shift": draws.text_of(shift)} if moved else {"key": job.key}),
         "scene": job.scene,
         "renderer": job.renderer,
         "mode": job.mode,
@@ -95,18 +95,13 @@ def provenance(
     }
 
 
-def _pair(shift: tuple[float, float]) -> str:
-    """As `aliascope render --shift` takes it."""
-    return ",".join(repr(float(pixels)) for pixels in shift)
-
-
 def repeat_command(job: Job, time_limit: float = Request.time_limit, shift: tuple[float, float] = Request.shift) -> str:
     """The command that renders a job again, alone, with the plugins that its mode names."""
     scene = job.scene if Path(job.scene_path).parent == places.SCENES else job.scene_path
     words = ["aliascope", "render", scene, "-r", job.renderer, "-m", job.mode, "--seed", str(job.seed)]
     words += ["--size", f"{job.width}x{job.height}", "-o", "out.exr"]
     if shift != Request.shift:
-        words += ["--shift", _pair(shift)]
+        words += ["--shift", draws.text_of(shift)]
     if time_limit != Request.time_limit:
         words += ["--time-limit", f"{time_limit:g}"]
     for path in dict.fromkeys(plugin.path for plugin in plugins_of(mode_of(job)).values()):

@@ -95,7 +95,7 @@ def key_of(cell: Cell, *what: object) -> str:
     """A hash of all that pictures of a cell, and what is kept of them, depend on; `what` says what was made of it."""
     here = Path(__file__).parents[1]
     code = [path.read_bytes() for path in sorted((here / "regression").glob("[ot]*.py"))]
-    reference = [path.read_bytes() for path in sorted((places.REFERENCES / cell.name.scene).glob("*box*.exr"))]
+    reference = [path.read_bytes() for path in sorted((places.REFERENCES / cell.name.scene).glob("*box.*exr"))]
     versions = sorted(renderers.find(cell.name.renderer).versions().items())
     stated = [
         cell.file.scene.digest(),
