@@ -169,7 +169,11 @@ $(LIBRARIES)/libaliascope-tracer.so: $(TRACER_OBJECTS) $(LIBRARIES)/libaliascope
 $(LIBRARIES)/libaliascope-raster.so: $(RASTER_OBJECTS) $(LIBRARIES)/libaliascope.so
 	$(SHARED) -Wl,-soname,libaliascope-raster.so -laliascope $(OSMESA) -lm
 
-ALL_LIBRARIES := $(addprefix $(LIBRARIES)/,libaliascope.so libaliascope-tracer.so libaliascope-raster.so)
+# Calls nothing of ours; povray is started with it.
+$(LIBRARIES)/libaliascope-waits.so: $(call objects,waits)
+	$(SHARED) -ldl
+
+ALL_LIBRARIES := $(addprefix $(LIBRARIES)/,libaliascope.so libaliascope-tracer.so libaliascope-raster.so libaliascope-waits.so)
 HEADERS := $(wildcard csrc/include/aliascope/*.h) csrc/tracer/tracer.h csrc/raster/raster.h
 
 $(BINDINGS): $(NATIVE)/build.py $(HEADERS) $(ALL_LIBRARIES) $(BUILD)/venv.stamp
