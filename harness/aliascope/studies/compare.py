@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from aliascope import image, jobs, metrics, pipeline, places, references, renderers
+from aliascope import image, jobs, metrics, pipeline, places, references, renderers, trade
 from aliascope.errors import CheckFailed, Interrupted, NotWritable, Unsupported
 from aliascope.jobs import Plan
 from aliascope.pipeline import Options, Progress
@@ -27,6 +27,7 @@ from aliascope.store import Store
 from aliascope.studies import probes
 from aliascope.studies.headlines import headlines
 from aliascope.studies.progress import converging
+from aliascope.trade import words
 from aliascope.workers import Workers
 
 
@@ -249,6 +250,7 @@ def summary(result: Comparison, plan: Plan) -> dict[str, Any]:
         "empty": empty_cells(plan),
         "failures": [asdict(failure) for failure in data.failures],
         "probes": [asdict(probe) for probe in data.probes],
+        "trade": words.document(trade.analyse(data.scenes)),
         "rows": [_row_document(scene.name, row) for scene in data.scenes for row in scene.rows],
     }
 
