@@ -163,7 +163,7 @@ _LEAST = 1e-18
 
 
 _DIFFER = 0.8
-"""The variance of the logarithms of true variances that is believed in before they are seen: factors of two and a half."""
+"""The variance of the logarithms of true variances that is believed in before they are seen: factors of 2.5."""
 _BELIEF = 12
 """As of so many modes."""
 
@@ -179,7 +179,7 @@ def _alikeness(groups: Sequence[tuple[Array, Array]]) -> float:
             moved = np.log(np.maximum(variances, _LEAST)) - _log_bias(free)
             beyond += float(((moved - moved.mean()) ** 2).sum() - (len(free) - 1) * polygamma(1, free / 2.0).mean())
             count += len(free) - 1
-    return max(2.0, 2.0 * _trigamma_inverse(beyond / count)) if beyond > 0.0 else math.inf
+    return max(2.0, 2.0 * trigamma_inverse(beyond / count)) if beyond > 0.0 else math.inf
 
 
 def _common(variances: Array, free: Array, alike: float) -> tuple[float, float]:
@@ -200,7 +200,7 @@ def _log_bias(free: Array) -> Array:
     return found
 
 
-def _trigamma_inverse(value: float) -> float:
+def trigamma_inverse(value: float) -> float:
     """x with trigamma(x) = value > 0, by Newton's method on 1 / trigamma (Smyth 2004, appendix)."""
     from scipy.special import polygamma
 
@@ -290,9 +290,8 @@ def satterthwaite(errors: Sequence[float], freedoms: Sequence[float]) -> tuple[f
     part is not known."""
     squares = [error * error for error in errors]
     total = math.fsum(squares)
-    if math.isnan(total) or total == 0.0:
-        return math.sqrt(total), math.inf
-    return math.sqrt(total), total * total / math.fsum(s * s / f for s, f in zip(squares, freedoms, strict=True))
+    shares = math.fsum(square * square / freedom for square, freedom in zip(squares, freedoms, strict=True))
+    return math.sqrt(total), total * total / shares if shares else math.inf
 
 
 def ends(figures: Array) -> tuple[float | None, float | None]:
