@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aliascope.trade.reach import Answer, Family, at_time, ends, to_error
+from aliascope.trade.reach import Answer, Family, ends
 from aliascope.trade.records import Interval, Ratio
 from aliascope.trade.uncertainty import Array, student
 
@@ -21,22 +21,13 @@ Name = tuple[str, str]
 
 @dataclass(frozen=True)
 class Compared:
-    """What each family of a scene comes to at the same errors and times: by family, an answer each."""
+    """What each family of a scene comes to at the same errors and times: an answer for each of these, errors from the
+    largest, times from the longest."""
 
     scene: str
     families: dict[Name, Family]
     to_error: dict[Name, list[Answer]]
     at_time: dict[Name, list[Answer]]
-
-
-def compared(scene: str, families: Sequence[Family], errors: Sequence[float], times: Sequence[float]) -> Compared:
-    """All families of a scene at the errors and times."""
-    return Compared(
-        scene,
-        {family.name: family for family in families},
-        {family.name: [to_error(family, error) for error in errors] for family in families},
-        {family.name: [at_time(family, seconds) for seconds in times] for family in families},
-    )
 
 
 def base_family(fronts: Sequence[dict[Name, float]]) -> Name | None:
@@ -67,28 +58,36 @@ def _ratio(scenes: Sequence[Compared], base: Name, name: Name) -> Ratio:
 
 @dataclass(frozen=True)
 class _Shift:
-    """The logarithm of a ratio on one scene, and what it could be (DRAWS,); `known`: whether that says anything."""
+    """The logarithm of a ratio on one scene and what it could be (1 + DRAWS,); `known`: whether that says anything."""
 
-    value: float
-    draws: Array
+    figures: Array
     known: bool
 
 
 def _of_scene(scene: Compared, answers: dict[Name, list[Answer]], base: Name, name: Name) -> _Shift | None:
     """The mean over the targets that both come to by what was measured; None where there is no such target."""
-    pairs = [
-        (own, other)
-        for own, other in zip(answers[name], answers[base], strict=True)
-        if own.how in _MEASURED and other.how in _MEASURED and math.isfinite(own.value - other.value)
+    found = [
+        _difference(own.figures, other.figures)
+        for own, other in zip(_near(answers[name]), _near(answers[base]), strict=True)
+        if own is not None and other is not None and own.figures is not None and other.figures is not None
     ]
-    if not pairs:
+    found = [figures for figures in found if math.isfinite(figures[0])]
+    if not found:
         return None
-    known = scene.families[name].known and scene.families[base].known
-    draws = np.mean([_difference(own.draws, other.draws) for own, other in pairs], axis=0)
-    return _Shift(math.fsum(own.value - other.value for own, other in pairs) / len(pairs), draws, known)
+    return _Shift(np.mean(found, axis=0), scene.families[name].known and scene.families[base].known)
 
 
-_MEASURED = ("measured", "between")
+def _near(answers: Sequence[Answer]) -> list[Answer | None]:
+    """Those of one family that count, of targets from the easiest to the hardest: not what is extrapolated, and of the
+    targets that it reaches with its end alone (its fastest mode is better than that, or its best one faster) only the
+    last, since far from its modes little is told of its trade."""
+    following = [answer.how for answer in answers[1:]] + ["cannot"]
+    return [
+        answer
+        if answer.how == "between" or (answer.how == "measured" and then not in ("measured", "extrapolated"))
+        else None
+        for answer, then in zip(answers, following, strict=True)
+    ]
 
 
 def _difference(own: Array, other: Array) -> Array:
@@ -102,9 +101,9 @@ def _over_scenes(found: Sequence[_Shift | None]) -> Interval | None:
     if not shifts:
         return None
     if len(shifts) == 1:
-        low, high = ends(shifts[0].draws) if shifts[0].known else (None, None)
-        return Interval(math.exp(shifts[0].value), low, high)
-    return mean_ratio([shift.value for shift in shifts])
+        low, high = ends(shifts[0].figures) if shifts[0].known else (None, None)
+        return Interval(math.exp(shifts[0].figures[0]), low, high)
+    return mean_ratio([float(shift.figures[0]) for shift in shifts])
 
 
 def mean_ratio(logs: Sequence[float]) -> Interval:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from aliascope.trade.uncertainty import Points
 
 MOST = 5
-"""Targets of a scene at most."""
+"""Targets of a scene's tables at most."""
 
 
 def series(low: float, high: float) -> list[float]:
@@ -36,13 +36,17 @@ def times(points: Points) -> list[float]:
 
 
 def _chosen(starts: Sequence[float], ends: Sequence[float]) -> list[float]:
-    """Round numbers from the second least start on, below the largest end; few, and evenly spread."""
+    """Round numbers from the second least start on, below the largest end."""
     ordered = sorted(start for start in starts if start > 0.0)
     top = max(ends, default=0.0)
     if not ordered or top <= 0.0:
         return []
     low = ordered[min(1, len(ordered) - 1)]
-    found = [value for value in series(low, max(low, top)) if value < top]
+    return [value for value in series(low, max(low, top)) if value < top]
+
+
+def few(found: Sequence[float]) -> list[int]:
+    """Which of them a table shows: MOST at most, evenly spread, with both ends."""
     if len(found) <= MOST:
-        return found
-    return [found[round(i * (len(found) - 1) / (MOST - 1))] for i in range(MOST)]
+        return list(range(len(found)))
+    return [round(i * (len(found) - 1) / (MOST - 1)) for i in range(MOST)]

@@ -42,7 +42,7 @@ class Points:
     -inf where it is 0. `shared` is the standard error that all errors have in common, through the reference. `key` is
     of the random numbers.
 
-    `times` and `errors` (DRAWS, n) are what they could be; a mode of which the spread is not known stays as it is.
+    `times` and `errors` (n, DRAWS) are what they could be; a mode of which the spread is not known stays as it is.
     """
 
     scene: str
@@ -92,10 +92,20 @@ def _part(spread: Spread, part: slice) -> Spread:
 
 
 def _of_times(rows: Sequence[ModeRow], scenes: Sequence[str]) -> Spread:
+    """As the protocol for time found them, where it did: there the interval takes in how the machine drifted."""
     logs = [[math.log(value) for value in row.seconds if value > 0.0] for row in rows]
     groups = [(row.renderer, scene) for row, scene in zip(rows, scenes, strict=True)]
     variance, freedom = pooled(logs, groups, [row.renderer for row in rows])
-    return Spread(np.sqrt(variance * np.array([_of_median(max(1, len(own))) for own in logs])), freedom)
+    errors = np.sqrt(variance * np.array([_of_median(max(1, len(own))) for own in logs]))
+    for i, row in enumerate(rows):
+        if row.cpu_seconds.interval is not None:
+            low, high = row.cpu_seconds.interval
+            errors[i], freedom[i] = math.log(high / low) / (2.0 * _NORMAL), math.inf
+    return Spread(errors, freedom)
+
+
+_NORMAL = 1.959964
+"""Half of the interval of 95 %, in standard errors of the normal distribution."""
 
 
 def _of_median(count: int) -> float:
@@ -217,15 +227,15 @@ def _drawn(scene: str, rows: tuple[ModeRow, ...], time_spread: Spread, error_spr
         value + student_draws(key, (*name, "error"), *own) + common * part
         for name, value, part, *own in zip(names, error, shared, *_pair(error_spread), strict=True)
     ]
-    return Points(scene, key, rows, time, error, time_spread, error_spread, shared, _columns(times), _columns(errors))
+    return Points(scene, key, rows, time, error, time_spread, error_spread, shared, _stacked(times), _stacked(errors))
 
 
 def _pair(spread: Spread) -> tuple[list[float], list[float]]:
     return spread.standard_error.tolist(), spread.freedom.tolist()
 
 
-def _columns(found: list[Array]) -> Array:
-    return np.stack(found, axis=1) if found else np.empty((DRAWS, 0))
+def _stacked(found: list[Array]) -> Array:
+    return np.stack(found) if found else np.empty((0, DRAWS))
 
 
 def student_draws(key: Sequence[str], name: Sequence[str], standard_error: float, freedom: float) -> Array:
