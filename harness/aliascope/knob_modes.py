@@ -64,9 +64,10 @@ EMBREE = (
 EMBREE_BOUNCES = _about("uniform", {"n": 16}, {"n": (4, 64), **_SAFETY, "sampler": ("random", "jittered")})
 """Of scenes whose samples cost ten times as much."""
 
-_PASSES = _about(
-    "accumulate", {"n": 16}, {"n": (4, 64), "sampler": ("sobol", "regular", "jittered", "sobol,sampler.scramble=owen")}
-)
+_SEQUENCES = ("sobol", "sobol,sampler.scramble=owen", "random")
+_PASSES = _about("accumulate", {"n": 16}, {"n": (4, 64), "sampler": (*_SEQUENCES, "regular", "jittered")})
+_FRAMES = _about("accumulate", {"n": 16}, {"n": (4, 64), "sampler": _SEQUENCES})
+"""Of samples with more than the pixel's two dimensions."""
 
 _POVRAY_GRIDS = tuple(
     mode
@@ -98,7 +99,7 @@ POVRAY: Mapping[str, tuple[str, ...]] = {
         *_about("am1", {"depth": 3}, {"depth": (2, 5), "threshold": (0, 0.3), "jitter": (0,), "light_grid": (4,)}),
         *_about("none", {}, _POVRAY_LIGHTS),
     ),
-    "frames": _PASSES,
+    "frames": _FRAMES,
     "bounces": ("none",),
 }
 
@@ -116,12 +117,12 @@ MODES: Mapping[str, tuple[str, ...]] = {
 KINDS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "embree": {**dict.fromkeys(POVRAY, EMBREE), "bounces": EMBREE_BOUNCES},
     "povray": POVRAY,
-    "osmesa": {**dict.fromkeys(POVRAY, _PASSES), "plain": OSMESA},
+    "osmesa": {**dict.fromkeys(POVRAY, _FRAMES), "plain": OSMESA},
 }
 """By renderer, the modes for each kind of scene (`plan.kind_of`)."""
 
 SCENES = ("edge", "zone-plate", "spheres", "depth-of-field", "soft-shadow")
-"""On which `aliascope knobs` turns them: flat, with fine detail, lit, through a lens, and under a light with an area."""
+"""On which `aliascope knobs` turns them: flat, with fine detail, lit, through a lens, and under a lamp with an area."""
 
 FILTER_SCENE = "edge"
 """On which it turns filters too, each of which needs a reference of its own."""

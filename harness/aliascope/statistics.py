@@ -32,6 +32,69 @@ def root_mean_square(values: Sequence[float]) -> Estimate:
     return Estimate(root, squares.standard_error / (2.0 * root))
 
 
+@dataclass(frozen=True)
+class Spread:
+    """How runs of the same work differ: the standard deviation of the logarithms of their times, from so many degrees
+    of freedom; `known` is what it is at least, whatever the runs say."""
+
+    sigma: float
+    freedom: float
+    known: float = 0.0
+
+
+CAUGHT = 0.95
+"""Variances of one mode beyond this quantile of what chance makes count no more than that."""
+
+
+def pooled_spread(groups: Sequence[Sequence[float]], drift: float = 0.0) -> Spread | None:
+    """The spread that groups of runs have in common, each of one piece of work: the standard deviation of the
+    logarithms of their times. None without two runs, above zero, of one piece.
+
+    Each group's variance is of n - 1 degrees of freedom. Outliers count little: the pooled variance is that under which
+    the groups' own, none above its CAUGHT quantile, are as large as such variances are in the mean (an M-estimate of
+    scale, Huber 1964). drift: by how much the machine became slower from the first quarter of the runs to the last; as
+    runs lie by chance between, that spreads them by 4/3 drift / sqrt(12) at least.
+    """
+    from scipy.special import chdtr, chdtri  # the distributions alone; scipy.stats takes a second to load
+
+    logs = [np.log(group) for group in groups if len(group) > 1 and min(group) > 0.0]
+    if not logs:
+        return None
+    freedom = np.array([len(each) - 1 for each in logs], dtype=np.float64)
+    variances = np.array([each.var(ddof=1) for each in logs])
+    ends = chdtri(freedom, 1.0 - CAUGHT) / freedom
+    # The mean of min(V, end) for V of mean 1: a chi-squared variable over its degrees of freedom.
+    expected = chdtr(freedom + 2.0, ends * freedom) + ends * (1.0 - CAUGHT)
+    wanted, variance = float((freedom * expected).sum()), float(np.average(variances, weights=freedom))
+    for _ in range(ROUNDS if variance > 0.0 else 0):  # falls from the plain mean, which outliers make too large
+        ratio = float((freedom * np.minimum(variances / variance, ends)).sum()) / wanted
+        variance *= ratio
+        if abs(ratio - 1.0) < 1e-9:
+            break
+    return Spread(math.sqrt(variance), float(freedom.sum()), abs(drift) * (4.0 / 3.0) / math.sqrt(12.0))
+
+
+ROUNDS = 200
+
+_OF_MEDIAN = (1.0, 1.0, 0.707, 0.670, 0.546, 0.536, 0.463, 0.459, 0.410, 0.408)
+"""Standard errors of the median of 0 to 9 values of the normal distribution, in standard deviations."""
+
+
+def median_time(seconds: Sequence[float], spread: Spread | None) -> Estimate:
+    """The median of timed runs, its standard error and its interval of 95 %, from the spread of runs of such work;
+    without it nothing is known but the median."""
+    from scipy.special import stdtrit
+
+    value = float(np.median(np.asarray(seconds)))
+    if spread is None or value <= 0.0:
+        return Estimate(value)
+    n = len(seconds)
+    share = _OF_MEDIAN[n] if n < len(_OF_MEDIAN) else math.sqrt(math.pi / (2.0 * n + 1.0))
+    half = share * max(float(stdtrit(spread.freedom, 0.975)) * spread.sigma, 1.96 * spread.known)
+    error = value * share * max(spread.sigma, spread.known)
+    return Estimate(value, error, (value * math.exp(-half), value * math.exp(half)))
+
+
 TELLING = 2.0
 """Standard errors of a difference from which on it is taken for one: 95 % of what is none stays below."""
 

@@ -26,7 +26,7 @@ from aliascope.references import (
 from aliascope.references.converged import Plan
 from aliascope.references.result import Ambiguous, Method, Reference
 
-__all__ = ["METHODS", "Ambiguous", "Method", "Plan", "Reference", "make"]
+__all__ = ["METHODS", "Ambiguous", "Method", "Plan", "Reference", "make", "may_be_exact"]
 
 METHODS: tuple[Method, ...] = (
     polygons.METHOD,
@@ -63,6 +63,11 @@ def make(
         if plan is None:
             raise
     return converged.make(scene, size, filter_, plan, shift)
+
+
+def may_be_exact(scene: Scene, filter_: str) -> bool:
+    """Whether a method has an exact answer for the features of a scene. It may still refuse the scene itself."""
+    return filter_ == "box" and any(method.cannot(scene) is None for method in METHODS)
 
 
 def _exact(scene: Scene, size: tuple[int, int], filter_: str, shift: tuple[float, float]) -> Reference:

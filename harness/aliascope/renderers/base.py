@@ -13,7 +13,7 @@ from aliascope.records import Rendering
 from aliascope.specs import Form, Key, Spec
 
 LEAST_SECONDS = 0.1
-"""A timed rendering is repeated until it has lasted this long; the repeats' mean is the cost of one picture."""
+"""CPU time of a timed run: a short picture is rendered until it has lasted this long; the mean is the cost of one."""
 
 DIMENSIONS = Key(
     "dimensions",
@@ -60,8 +60,6 @@ class Renderer(Protocol):
     `probe_mode` is a mode that resolves a hundredth of a pixel, its pattern centred in the pixel; `single_mode` has one
     sample, at the pixel's centre. Neither is random. They draw polygons seen orthographically at least: `doctor` looks
     at those.
-    `idles`: its runs are asleep most of the time and state their own CPU time, so that several side by side leave each
-    other's time as it is.
     `absent`: of features that it does not draw though one might expect them of it, why, in words that stand alone.
     """
 
@@ -72,7 +70,6 @@ class Renderer(Protocol):
     native: tuple[str, ...]
     probe_mode: str
     single_mode: str
-    idles: bool
     absent: Mapping[str, str]
 
     def versions(self) -> Mapping[str, str]:

@@ -33,8 +33,23 @@ UNIFORM = Form(
     "the same number of samples in every pixel",
     (
         Key("n", "integer", 16, "samples a pixel", 1, 1 << 24, is_count=True),
-        Key("sampler", "spec", "sobol:scramble=owen", "the pattern of a pixel", inner=samplers.canonical, named=True),
-        Key("filter", "spec", "box", "the reconstruction filter", inner=filters.canonical),
+        Key(
+            "sampler",
+            "spec",
+            "sobol:scramble=owen",
+            "the pattern of a pixel",
+            inner=samplers.canonical,
+            inner_settings=samplers.settings,
+            named=True,
+        ),
+        Key(
+            "filter",
+            "spec",
+            "box",
+            "the reconstruction filter",
+            inner=filters.canonical,
+            inner_settings=filters.settings,
+        ),
         DIMENSIONS,
         PACKET,
         ROBUST,
@@ -58,9 +73,32 @@ ADAPTIVE = Form(
     "as many samples in a pixel as a method finds that it needs; box filter alone",
     (
         Key("n", "integer", 64, "the most samples of a pixel", 1, 1 << 24, is_count=True),
-        Key("method", "spec", "kajiya", f"{'|'.join(METHODS)}, with its keys", inner=_method, named=True),
-        Key("sampler", "spec", "sobol:scramble=owen", "the sequence of a pixel", inner=samplers.canonical, named=True),
-        Key("filter", "spec", "box", "the reconstruction filter: box", inner=filters.canonical),
+        Key(
+            "method",
+            "spec",
+            "kajiya",
+            f"{'|'.join(METHODS)}, with its keys",
+            inner=_method,
+            inner_settings=estimate.settings,
+            named=True,
+        ),
+        Key(
+            "sampler",
+            "spec",
+            "sobol:scramble=owen",
+            "the sequence of a pixel",
+            inner=samplers.canonical,
+            inner_settings=samplers.settings,
+            named=True,
+        ),
+        Key(
+            "filter",
+            "spec",
+            "box",
+            "the reconstruction filter: box",
+            inner=filters.canonical,
+            inner_settings=filters.settings,
+        ),
         DIMENSIONS,
         PACKET,
         ROBUST,
@@ -76,7 +114,6 @@ class Embree:
     draws = tracer.DRAWS
     probe_mode = "uniform:n=256,sampler=regular"
     single_mode = "uniform:n=1,sampler=regular"
-    idles = False
     absent: Mapping[str, str] = {}
 
     def versions(self) -> Mapping[str, str]:

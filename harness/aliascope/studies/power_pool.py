@@ -21,8 +21,8 @@ from aliascope.studies.regress_suite import Cell
 FIRST_SEED = 1 << 45
 """Of the pools: no other command has these."""
 
-POOL, DEAR_POOL, IDLE_POOL = 128, 64, 48
-"""Replicates of a cell; of one where light goes from surface to surface; of a renderer each of whose frames waits."""
+POOL, DEAR_POOL, FRAMES_POOL = 128, 64, 48
+"""Replicates of a cell; of one where light goes from surface to surface; of POV-Ray's, each of them many frames."""
 
 
 @dataclass(frozen=True)

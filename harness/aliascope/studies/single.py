@@ -71,8 +71,9 @@ def render_file(
         size=(width, height),
         seed=seed,
         versions=versions,
+        shift=shift,
     )
-    header = pipeline.provenance(job, rendering, versions, shift)
+    header = pipeline.provenance(job, rendering, versions)
     image.write_exr(out, rendering.pixels, header)
     if counts is not None and rendering.counts is not None:
         image.write_counts(counts, rendering.counts, header)
