@@ -283,4 +283,5 @@ def satterthwaite(errors: Sequence[float], freedoms: Sequence[float]) -> tuple[f
     total = math.fsum(squares)
     if math.isnan(total) or total == 0.0:
         return math.sqrt(total), math.inf
-    return math.sqrt(total), total * total / math.fsum(s * s / f for s, f in zip(squares, freedoms, strict=True))
+    parts = math.fsum(s * s / f for s, f in zip(squares, freedoms, strict=True))
+    return math.sqrt(total), total * total / parts if parts > 0.0 else math.inf
