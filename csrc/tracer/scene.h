@@ -67,7 +67,8 @@ struct tracer {
   lens lens;
   layout further;
   transport transport;
-  asc_material *materials; /* pattern origins relative to the eye, along the world's axes */
+  asc_material *materials; /* pattern origins relative to the eye: of rings in the camera's frame, of checks
+                              along the world's axes, as their cells are */
   size_t material_count;
   int has_patterns;
   light_source *lights;
