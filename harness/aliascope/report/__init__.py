@@ -29,6 +29,7 @@ SCRIPTS = (
     "core.js",
     "metrics.js",
     "state.js",
+    "unpack.js",
     "pictures.js",
     "plot.js",
     "spectrum.js",
@@ -91,7 +92,7 @@ def _page(data: ReportData, spectra: Sequence[SceneSpectra], filters: Sequence[R
         style=Markup(style),  # ours
         script=Markup(script),  # ours
         json=Markup(script_json(values)),  # escaped by script_json
-        pictures=pictures.texts,
+        pictures=[Markup(text) for text in pictures.texts],  # of characters that mean nothing to HTML
         verdicts=verdicts_html(run, pages),
     )
 

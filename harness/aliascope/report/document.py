@@ -12,7 +12,9 @@ import numpy as np
 
 from aliascope.records import Estimate, ModeRow, ReportData, SceneSection
 from aliascope.report.encode import PictureStore, counts_picture, error_map, error_scale, surprise_picture, worst_pixel
+from aliascope.report.packing import Known
 from aliascope.report.pool import Curve, curve_of, in_common, pool, under_one_filter
+from aliascope.report.relations import find_relations
 from aliascope.report.spectra import SceneSpectra, check_size, spectra_json
 
 Json = Any
@@ -53,17 +55,20 @@ def _scene(scene: SceneSection, data: ReportData, pictures: PictureStore, spectr
     for row in scene.rows:
         check_size(row, scene)
     errors = [error_map(row.pixels, scene.reference) for row in scene.rows]
+    relations = find_relations([scene.reference, *(row.pixels for row in scene.rows)])
+    known = Known(scene.reference, relations)
     return {
         "name": scene.name,
         "title": scene.title,
         "shows": scene.shows,
         "width": scene.reference.shape[1],
         "height": scene.reference.shape[0],
-        "reference": pictures.add(scene.reference),
+        "relations": {"lines": relations.lines.tolist(), "planes": relations.planes.tolist()},
+        "reference": pictures.add(scene.reference, Known(None, relations)),
         "scale": error_scale(errors),
         "mostSamples": max((int(row.counts.max()) for row in scene.rows if row.counts is not None), default=None),
         "rows": [
-            {**_curve(curve_of(row)), **_picture(row, worst_pixel(error), pictures)}
+            {**_curve(curve_of(row)), **_picture(row, worst_pixel(error), pictures, known)}
             for row, error in zip(scene.rows, errors, strict=True)
         ],
         "spectra": spectra_json(spectra),
@@ -71,9 +76,9 @@ def _scene(scene: SceneSection, data: ReportData, pictures: PictureStore, spectr
     }
 
 
-def _picture(row: ModeRow, worst: tuple[int, int], pictures: PictureStore) -> dict[str, Json]:
+def _picture(row: ModeRow, worst: tuple[int, int], pictures: PictureStore, known: Known) -> dict[str, Json]:
     return {
-        "picture": pictures.add(row.pixels),
+        "picture": pictures.add(row.pixels, known, row.quantum),
         "counts": pictures.add(counts_picture(row.counts)) if row.counts is not None else None,
         "surprise": pictures.add(surprise_picture(row.p_values)) if row.p_values is not None else None,
         "worst": list(worst),
