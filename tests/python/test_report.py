@@ -51,6 +51,7 @@ from aliascope.report.spectra import (
     spectra_of,
 )
 from aliascope.spectrum import radial_spectrum
+from aliascope.trade import analyse
 
 HOSTILE = "</script><!--<script>alert('$x^{$')\u2028&\"\n,=1"
 METRICS = {name: MetricInfo(name, "less") for name in ("rmse", "psnr", "max", "bias", "structure")}
@@ -393,7 +394,7 @@ def test_the_csv_has_every_figure_and_reason(written: Path) -> None:
 
 
 def test_there_is_no_nan_in_the_json() -> None:
-    values = document(usual(), PictureStore(), spectra_of(usual()))
+    values = document(usual(), PictureStore(), spectra_of(usual()), analyse(usual().scenes))
 
     def refuse(name: str) -> None:
         raise AssertionError(name)

@@ -13,17 +13,21 @@ import numpy as np
 from aliascope.records import Estimate, ModeRow, ReportData, SceneSection
 from aliascope.report.encode import PictureStore, counts_picture, error_map, error_scale, surprise_picture, worst_pixel
 from aliascope.report.packing import Known
-from aliascope.report.pool import Curve, curve_of, in_common, pool, under_one_filter
+from aliascope.report.pool import Curve, curve_of, in_common, pool, rounded, under_one_filter
 from aliascope.report.relations import find_relations
 from aliascope.report.spectra import SceneSpectra, check_size, spectra_json
+from aliascope.report.trade import trade_json
+from aliascope.trade import Trade
 
 Json = Any
 
 
-def document(data: ReportData, pictures: PictureStore, spectra: Sequence[SceneSpectra]) -> dict[str, Json]:
+def document(
+    data: ReportData, pictures: PictureStore, spectra: Sequence[SceneSpectra], trade: Trade
+) -> dict[str, Json]:
     """The report for the page's scripts; its pictures go to `pictures`. No NaN or Infinity in it: null.
 
-    `spectra` are those of the scenes, in their order.
+    `spectra` are those of the scenes, in their order, `trade` is what was analysed of them.
 
     Raises InvalidInput where a picture and its reference differ in size.
     """
@@ -40,6 +44,7 @@ def document(data: ReportData, pictures: PictureStore, spectra: Sequence[SceneSp
         "pooledScenes": [scene.name for scene in common],
         "countedScenes": [scene.name for scene in under_one_filter(data.scenes)],
         "pooled": [_curve(curve) for curve in pool(common)],
+        "trade": trade_json(trade),
     }
 
 
@@ -107,6 +112,8 @@ def _curve(curve: Curve) -> dict[str, Json]:
         "label": curve.label,
         "family": curve.family,
         "spp": number(curve.samples_per_pixel),
+        "rays": rounded(curve.rays_per_pixel),
+        "instructions": rounded(curve.instructions),
         "cpu": _estimate(curve.cpu_seconds),
         "metrics": _estimates(curve.metrics),
         "pictures": curve.pictures,
@@ -119,7 +126,9 @@ def _estimates(metrics: Mapping[str, Estimate]) -> dict[str, Json]:
 
 
 def _estimate(estimate: Estimate) -> list[float | None]:
-    return [number(estimate.value), number(estimate.standard_error)]
+    """[value, standard error], and the ends of its interval where it has one of its own."""
+    found = [rounded(estimate.value, 9), rounded(estimate.standard_error)]
+    return [*found, *(rounded(end) for end in estimate.interval)] if estimate.interval else found
 
 
 def number(value: float | None) -> float | None:
