@@ -1,4 +1,4 @@
-"""Scene files: TOML, validated; every error names file, line and key."""
+"""Scene files: TOML, validated, where every error names file, line and key; and those of other programs, glTF."""
 
 from __future__ import annotations
 
@@ -15,9 +15,11 @@ from pydantic_core import ErrorDetails
 from aliascope import meshes, model, motion, places
 from aliascope.errors import InvalidInput, near_misses
 from aliascope.geometry import Array, triangulate
+from aliascope.gltf import document, reading
 from aliascope.model import Frames, LoadedMesh, Mesh, Part, Polygon, Scene
 
 LARGEST_FILE = 64 << 20
+ENDINGS = (".toml", *document.ENDINGS)
 
 Path_ = tuple[str | int, ...]
 
@@ -29,6 +31,13 @@ class SceneFile:
     name: str
     path: Path
     scene: Scene
+    notes: tuple[str, ...] = ()
+    """What the file has that is not drawn, or had to be added, in words; nothing of a TOML file is."""
+
+
+def is_path(scene: str) -> bool:
+    """Whether a word names a scene's file: it has a slash, or the ending of one."""
+    return "/" in scene or scene.lower().endswith(ENDINGS)
 
 
 def names() -> list[str]:
@@ -37,8 +46,8 @@ def names() -> list[str]:
 
 
 def load(scene: str) -> SceneFile:
-    """A scene by its name in scenes/ or the path of a TOML file (with a slash or the ending .toml)."""
-    if "/" in scene or scene.endswith(".toml"):
+    """A scene by its name in scenes/ or the path of its file (`is_path`)."""
+    if is_path(scene):
         return load_file(Path(scene))
     if scene not in names():
         raise InvalidInput(f'unknown scene "{scene}"{near_misses(scene, names())}')
@@ -46,6 +55,10 @@ def load(scene: str) -> SceneFile:
 
 
 def load_file(path: Path) -> SceneFile:
+    """The scene of a file, read as its ending says: glTF, else TOML."""
+    if path.suffix.lower() in document.ENDINGS:
+        found = reading.read(path)
+        return SceneFile(path.stem, path, found.scene, found.notes)
     try:
         if path.stat().st_size > LARGEST_FILE:
             raise InvalidInput(f"{path}: a scene file has at most {LARGEST_FILE >> 20} MiB")

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from aliascope.cli.shared import Json, Seed, Size, app, print_json, shift_of, size_of
+from aliascope.cli.shared import Json, Seed, Size, app, print_json, say_notes, shift_of, size_of
 from aliascope.native.samplers import ARRANGEMENTS
 
 
@@ -16,7 +16,7 @@ from aliascope.native.samplers import ARRANGEMENTS
     "aliascope render edge -r embree -m adaptive:method=whitted,n=72 -o edge.exr --counts counts.exr"
 )
 def render(
-    scene: Annotated[str, typer.Argument(help="Name of a scene, or the path of a TOML file.")],
+    scene: Annotated[str, typer.Argument(help="Name of a scene, or the path of its file (TOML, glTF).")],
     renderer: Annotated[str, typer.Option("-r", help="Name; see aliascope list renderers.")],
     mode: Annotated[str, typer.Option("-m", help="Spec of a mode; see aliascope list modes.")],
     out: Annotated[Path, typer.Option("-o", metavar="OUT.exr")],
@@ -49,6 +49,7 @@ def render(
     """Render one scene with one renderer and mode, and say what it cost."""
     from aliascope.studies.single import render_file
 
+    say_notes([scene])
     summary = render_file(
         scene, renderer, mode, out, seed, size_of(size), threads, time_limit, counts, dimensions, shift_of(shift)
     )
@@ -123,7 +124,7 @@ def error(
 
 @app.command(epilog="Example: aliascope reference edge --verify")
 def reference(
-    scenes: Annotated[list[str], typer.Argument(metavar="SCENE...", help="Names, patterns, TOML files.")],
+    scenes: Annotated[list[str], typer.Argument(metavar="SCENE...", help="Names, patterns, files (TOML, glTF).")],
     verify: Annotated[bool, typer.Option("--verify", help="Make them again and compare; change nothing.")] = False,
     size: Size = None,
     filter_: Annotated[str, typer.Option("--filter", metavar="SPEC", help="See aliascope list filters.")] = "box",
@@ -138,6 +139,7 @@ def reference(
     from aliascope.studies import selection, single
     from aliascope.studies.progress import progress_bar
 
+    say_notes(scenes)
     folder = out or places.REFERENCES
     work = single.verify_reference if verify else single.make_reference
     with progress_bar() as tell:
