@@ -2,6 +2,7 @@
 
 #include "arithmetic.h"
 #include "frames.h"
+#include "surface_pattern.h"
 #include "vectorise.h"
 
 static double along_plane(const plane *met, const double origin[3], const double direction[3]) {
@@ -89,11 +90,10 @@ static double along_moving_plane(const tracer *made, uint32_t number, double tim
   return along_plane(&made->planes[number], rest_origin, rest_direction);
 }
 
-static double mix_of(const asc_pattern *pattern, const double away[3]) {
-  if (pattern->kind == ASC_PATTERN_ZONE_PLATE) return 0.5 * (1.0 + cosine_of_any(pattern->scale * dot(away, away)));
-  double sum = 0.0;
-  for (int i = 0; i < 3; i++) sum += floor(pattern->scale * away[i]);
-  return sum - 2.0 * floor(0.5 * sum); /* the parity: 0 or 1, for sums of any size and sign */
+/* The share of the second colour. */
+static double mix_of(const asc_view *view, const asc_pattern *pattern, const double rest[3]) {
+  return pattern->kind == ASC_PATTERN_ZONE_PLATE ? havercosine_of_any(pattern_phase(pattern, rest))
+                                                 : pattern_parity(view, pattern, rest);
 }
 
 void meeting_colour(const tracer *made, const asc_material *material, const double rest[3], double colour[3]) {
@@ -102,11 +102,7 @@ void meeting_colour(const tracer *made, const asc_material *material, const doub
     colour[0] = colour[1] = colour[2] = 1.0;
     return;
   }
-  const asc_view *view = &made->view;
-  double away[3]; /* from the pattern's origin, along the world's axes */
-  for (int i = 0; i < 3; i++)
-    away[i] = view->right[i] * rest[0] + view->up[i] * rest[1] + view->forward[i] * rest[2] - pattern->origin[i];
-  const double mix = mix_of(pattern, away);
+  const double mix = mix_of(&made->view, pattern, rest);
   for (int i = 0; i < 3; i++) colour[i] = pattern->low[i] + (pattern->high[i] - pattern->low[i]) * mix;
 }
 

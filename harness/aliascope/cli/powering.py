@@ -23,7 +23,7 @@ def power(
         Path | None,
         typer.Option(metavar="F.so", help="tests/c/embree_isa.c, compiled: draw by other instructions too."),
     ] = None,
-    processes: Annotated[int, typer.Option("-j", min=1, max=64, help="Cells side by side, beside POV-Ray's.")] = 2,
+    processes: Annotated[int, typer.Option("-j", min=1, max=64, help="Cells side by side.")] = 2,
     out: Annotated[Path, typer.Option("-o", metavar="DIR", help="power.json, power.md; what was rendered.")] = Path(
         "aliascope-power"
     ),

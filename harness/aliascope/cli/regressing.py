@@ -42,7 +42,7 @@ def regress(
     junit: Annotated[Path | None, typer.Option(metavar="F.xml", help="For CI systems: JUnit's XML.")] = None,
     markdown: Annotated[Path | None, typer.Option(metavar="F.md", help="For reviews: the summary, here too.")] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Failures, controls and the summary alone.")] = False,
-    processes: Annotated[int, typer.Option("-j", min=1, max=64, help="Cells side by side; POV-Ray's wait.")] = 2,
+    processes: Annotated[int, typer.Option("-j", min=1, max=64, help="Cells side by side.")] = 2,
     time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that the pictures of one cell may take.")] = 120.0,
     as_json: Json = False,
 ) -> None:
