@@ -16,7 +16,7 @@ from aliascope.errors import InvalidInput, JobFailed
 from aliascope.renderers import povray_file
 from aliascope.renderers.povray_file import SRGB, Colours
 from aliascope.studies import sweep, sweep_pov, sweep_scene, sweep_search, sweep_text
-from aliascope.studies.sweep_search import Candidate, Measured
+from aliascope.studies.sweep_search import Candidate
 from aliascope.trade.records import QUANTISATION
 
 SCENE = """#version {version};
@@ -176,16 +176,7 @@ def test_the_error_of_a_grid_is_found_from_the_grids_within() -> None:
     assert (one, slope) == (pytest.approx(0.1 / math.sqrt(10.0)), 1.0)
 
 
-def test_times_and_errors_have_their_spread() -> None:
-    found = sweep.Found(runs={Candidate("r", str(i)): [Measured(t, 1.0) for t in (1.0, 1.1)] for i in range(5)})
-    deviation, freedom = sweep.timing_spread(found)
-    assert freedom == 5
-    assert deviation == pytest.approx(math.log(1.1) / math.sqrt(2.0))
-    estimate = sweep.timed([1.0, 1.1], (deviation, freedom))
-    assert estimate.value == 1.05
-    assert estimate.interval is not None
-    half = 2.5706 * deviation / math.sqrt(2.0)  # Student's t of 5 degrees of freedom, 97.5 %
-    assert estimate.interval == pytest.approx((1.05 * math.exp(-half), 1.05 * math.exp(half)), rel=1e-4)
+def test_an_error_has_its_spread_over_the_picture() -> None:
     # The jackknife over blocks: of noise, rmse / sqrt(2 values), here within a third (30 blocks).
     squares = np.random.default_rng(5).normal(0.0, 0.1, (80, 96)) ** 2
     assert sweep.over_blocks(squares) == pytest.approx(0.1 / math.sqrt(2.0 * squares.size), rel=0.33)

@@ -99,7 +99,6 @@ class PovRay:
     )
     probe_mode = "am1:depth=9,jitter=0,threshold=0"
     single_mode = "none"
-    idles = True
     absent: Mapping[str, str] = {
         "gloss": "POV-Ray 3.7 mirrors sharply; what blurs its mirrors is a bumpy surface, whose lobe has no formula",
         "diffuse bounces": "POV-Ray's radiosity interpolates between places, an error that more samples leave",
@@ -132,7 +131,8 @@ class PovRay:
 
         `cpu_seconds` and `wall_seconds` are of tracing alone, as povray prints them, summed over the frames of a
         picture; `repeats` counts the pictures of both runs, their mean is the cost. The second run has MOST_FRAMES at
-        most.
+        most. Instructions are not counted: those of the program would be of its start, of reading the scene and of
+        writing the picture too, which nothing outside of it tells from tracing.
         """
         start = time.monotonic()
         size = (request.width, request.height)

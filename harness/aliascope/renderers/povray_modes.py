@@ -75,7 +75,7 @@ ACCUMULATE = Form(
     f"takes {FRAME_SECONDS:g} s on the wall, and more where the scene is large: n is bounded by the time limit too",
     (
         Key("n", "integer", 16, "frames, the samples a pixel", 1, 4096, is_count=True),
-        Key("sampler", "spec", "halton", "the pattern", inner=_sampler, named=True),
+        Key("sampler", "spec", "halton", "the pattern", inner=_sampler, inner_settings=samplers.settings, named=True),
         DIMENSIONS,
     ),
 )

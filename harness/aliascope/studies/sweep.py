@@ -20,6 +20,7 @@ from aliascope.references import Reference
 from aliascope.renderers import povray_file
 from aliascope.renderers.povray_process import executable, version
 from aliascope.scene_io import SceneFile
+from aliascope.statistics import median_time, pooled_spread
 from aliascope.studies import sweep_pov, sweep_scene
 from aliascope.studies.compare import with_reference
 from aliascope.studies.sweep_search import (
@@ -249,7 +250,7 @@ def _sweep_scene(asked: Asked, budget: Budget, say: Say, workers: Workers, abrea
         versions.update(renderers.find(name).versions())
     swept = Swept(
         asked, file.scene.title, size, budget.seconds, judge.reference, judge.told, found, {}, problem.pictures,
-        problem.costs, problem.failed, {}, [], versions, problem.quanta, missing,
+        problem.costs, problem.failed, {}, list(file.notes), versions, problem.quanta, missing,
     )  # fmt: skip
     return _concluded(swept)
 
@@ -285,10 +286,13 @@ def _search(problem: Problem, left: Callable[[], float], say: Say, exhaustive: b
 def _concluded(swept: Swept) -> Swept:
     """With figures, answers and notes."""
     found = swept.found
-    spread = timing_spread(found)
+    spreads = {
+        name: pooled_spread([[run.seconds for run in runs] for c, runs in found.runs.items() if c.renderer == name])
+        for name in {c.renderer for c in found.whole}
+    }
     for candidate, own in found.best_known().items():
         runs = found.runs.get(candidate, [])
-        seconds = timed([run.seconds for run in runs] or [own.seconds], spread)
+        seconds = median_time([run.seconds for run in runs] or [own.seconds], spreads[candidate.renderer])
         error = Estimate(own.rmse, _error_spread(swept, candidate))
         swept.figures[candidate] = seconds, with_reference("rmse", error, swept.reference)
     swept.answers[""] = answer(found.best_known(), QUANTISATION)
@@ -321,32 +325,6 @@ def _notes(swept: Swept) -> list[str]:
             f"errors below {swept.limit:.2g} are as good as the reference can tell: it is off by half of that itself"
         )
     return notes
-
-
-def timing_spread(found: Found) -> tuple[float, int]:
-    """The standard deviation of the logarithm of a timed run, pooled over settings, and its degrees of freedom."""
-    squares, freedom = 0.0, 0
-    for runs in found.runs.values():
-        logs = [math.log(max(run.seconds, 1e-9)) for run in runs]
-        if len(logs) >= 2:
-            squares += (len(logs) - 1) * statistics.variance(logs)
-            freedom += len(logs) - 1
-    return (math.sqrt(squares / freedom), freedom) if freedom else (0.0, 0)
-
-
-def timed(seconds: Sequence[float], spread: tuple[float, int]) -> Estimate:
-    """The median of timed runs, and its 95 % interval by Student's t from the pooled spread of the logarithms; the
-    median of n has 1.2533 times the standard error of the mean, for large n (at n = 1 and 2 they are the same)."""
-    middle = statistics.median(seconds)
-    deviation, freedom = spread
-    if not freedom:
-        return Estimate(middle)
-    from scipy.special import stdtrit
-
-    factor = 1.0 if len(seconds) <= 2 else math.sqrt(math.pi / 2.0)
-    error = factor * deviation / math.sqrt(len(seconds))
-    half = float(stdtrit(freedom, 0.975)) * error
-    return Estimate(middle, middle * error, (middle * math.exp(-half), middle * math.exp(half)))
 
 
 def _error_spread(swept: Swept, candidate: Candidate) -> float | None:

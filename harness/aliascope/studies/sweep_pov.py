@@ -20,7 +20,7 @@ from aliascope.records import Cost, Pixels
 from aliascope.references import Reference
 from aliascope.renderers import povray_file
 from aliascope.renderers.povray_file import Character, Drawn, PovFile, rms
-from aliascope.renderers.povray_process import TimeLimit
+from aliascope.renderers.process import TimeLimit
 from aliascope.specs import Spec
 from aliascope.studies.sweep_search import Candidate, Measured
 from aliascope.workers import Task, Workers

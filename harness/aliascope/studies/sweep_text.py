@@ -14,7 +14,7 @@ from aliascope.records import Estimate, ModeRow, ReportData, SceneSection
 from aliascope.renderers import povray_file
 from aliascope.report import write_report
 from aliascope.report.files import write_text
-from aliascope.specs import family, label
+from aliascope.specs import family, label, settings
 from aliascope.studies.compare import with_reference
 from aliascope.studies.sweep import Swept, machine, shown
 from aliascope.studies.sweep_pov import duration, spec_of
@@ -224,6 +224,7 @@ def _row(swept: Swept, candidate: Candidate) -> ModeRow:
     spec, cost = spec_of(candidate), swept.costs[candidate]
     seconds, error = swept.figures[candidate]
     runs = swept.found.runs.get(candidate, [])
+    seeded = renderers.find(candidate.renderer).seeded(spec)
     pixels = swept.pictures[candidate]
     measured = metrics.measure(pixels, swept.reference.pixels, METRICS)
     figures = {name: with_reference(name, Estimate(each.value), swept.reference) for name, each in measured.items()}
@@ -235,13 +236,13 @@ def _row(swept: Swept, candidate: Candidate) -> ModeRow:
         samples_per_pixel=cost.samples_per_pixel,
         cpu_seconds=seconds,
         metrics={**figures, "rmse": error},
-        pictures=1,
+        pictures=max(1, len(runs)) if seeded else 1,
         pixels=pixels,
         quantum=swept.quanta.get(candidate, 0.0),
         seconds=tuple(run.seconds for run in runs),
-        draws={"rmse": tuple(run.rmse for run in runs) or (error.value,)},
-        deterministic=not renderers.find(candidate.renderer).seeded(spec),
+        draws={"rmse": tuple(run.rmse for run in runs) if seeded and runs else (error.value,)},
+        deterministic=not seeded,
         samples=cost.samples,
         rays=dict(cost.rays),
-        settings={key: str(value) for key, value in spec.values.items()},
+        settings=settings(spec),
     )
