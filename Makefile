@@ -57,6 +57,11 @@ all: $(BINDINGS) $(PLUGIN) $(VERSIONED)
 compare: all
 	@$(VENV)/bin/aliascope compare --profile quick -o $(RESULTS)/compare
 
+## knobs      measure what each setting does to time and error; results in .results/knobs
+.PHONY: knobs
+knobs: all
+	@$(VENV)/bin/aliascope knobs -o $(RESULTS)/knobs
+
 ## mitchell   measure Mitchell's table of random edges again, and write its page
 .PHONY: mitchell
 mitchell: all
@@ -169,7 +174,11 @@ $(LIBRARIES)/libaliascope-tracer.so: $(TRACER_OBJECTS) $(LIBRARIES)/libaliascope
 $(LIBRARIES)/libaliascope-raster.so: $(RASTER_OBJECTS) $(LIBRARIES)/libaliascope.so
 	$(SHARED) -Wl,-soname,libaliascope-raster.so -laliascope $(OSMESA) -lm
 
-ALL_LIBRARIES := $(addprefix $(LIBRARIES)/,libaliascope.so libaliascope-tracer.so libaliascope-raster.so)
+# Calls nothing of ours; povray is started with it.
+$(LIBRARIES)/libaliascope-waits.so: $(call objects,waits)
+	$(SHARED) -ldl
+
+ALL_LIBRARIES := $(addprefix $(LIBRARIES)/,libaliascope.so libaliascope-tracer.so libaliascope-raster.so libaliascope-waits.so)
 HEADERS := $(wildcard csrc/include/aliascope/*.h) csrc/tracer/tracer.h csrc/raster/raster.h
 
 $(BINDINGS): $(NATIVE)/build.py $(HEADERS) $(ALL_LIBRARIES) $(BUILD)/venv.stamp

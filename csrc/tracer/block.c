@@ -41,6 +41,7 @@ struct block_work {
   double *points;                     /* [MOST_ROWS][dimensions] */
   uint32_t dimensions;
   int weighted;
+  int single;       /* sums are kept in float */
   uint64_t samples; /* a pixel */
   block area;
   const film *target; /* NULL: samples go to `sum` */
@@ -53,6 +54,7 @@ block_work *block_work_make(const tracer *made) {
   memset(memory, 0, sizeof *memory);
   packet_begin(&memory->rays);
   memory->dimensions = tracer_dimensions(made);
+  memory->single = made->options.film == TRACER_FILM_FLOAT;
   memory->points = malloc((size_t)MOST_ROWS * memory->dimensions * sizeof(double));
   if (!memory->points) {
     block_work_free(memory);
@@ -172,7 +174,7 @@ static void trace(const tracer *made, size_t rows, block_work *memory) {
     while (to->end < rows && shine_same(*seen, memory->sights[to->end / PACKET])) to->end += PACKET;
     const sample_rows of = {to->end - first, memory->sample_x + first, memory->sample_y + first,
                             (const double(*)[2])memory->lens + first, memory->radiance + first};
-    to->alone = !memory->target && shine_paint(made, *seen, &to->paint);
+    to->alone = !memory->target && !memory->single && shine_paint(made, *seen, &to->paint);
     if (!to->alone && seen->one) shine_take(made, *seen, &of);
     if (to->alone && to->paint.patterned) shine_mix(made, *seen, &of, memory->mix + first);
   }
@@ -238,17 +240,32 @@ ASC_VECTORISE static void add_paint(const paint *of, const double *mix, const do
   *into += change * (weights ? sum_of(mix, weights, count) : sum_of(mix, NULL, count));
 }
 
+/* The same in float, to a sum that is one of floats. */
+ASC_VECTORISE static void add_rows_single(const double (*radiance)[4], const double *weights, size_t count,
+                                          film_cell *into) {
+  film_cell_single sum = __builtin_convertvector(*into, film_cell_single);
+  for (size_t i = 0; i < count; i++) {
+    film_cell more;
+    memcpy(&more, radiance[i], sizeof more);
+    sum += __builtin_convertvector(weights ? weights[i] * more : more, film_cell_single);
+  }
+  *into = __builtin_convertvector(sum, film_cell);
+}
+
 static void add_to_sums(block_work *memory, cursor *at, size_t rows) {
   const run *in = memory->runs;
   for (size_t i = 0, count; i < rows; i += count) {
     if (i == in->end) in++;
     const double *weights = memory->weighted ? memory->weights + i : NULL;
     film_cell *into = &memory->sum[at->pixel];
+    const double(*radiance)[4] = (const double(*)[4])memory->radiance + i;
     count = advance(at, memory->samples, (in->end < rows ? in->end : rows) - i);
     if (in->alone)
       add_paint(&in->paint, in->paint.patterned ? memory->mix + i : NULL, weights, count, into);
+    else if (memory->single)
+      add_rows_single(radiance, weights, count, into);
     else
-      add_rows((const double(*)[4])memory->radiance + i, weights, count, into);
+      add_rows(radiance, weights, count, into);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include "lobe.h"
 #include "rows.h"
+#include "traverse.h"
 #include "vectorise.h"
 
 /* How a lane's path goes on; GLOSSY: by a reflection that is no perfect mirror's. */
@@ -180,6 +181,6 @@ int bounce_go_on(const tracer *made, packet *rays, const meetings *met, uint32_t
   rays->counts.reflection += going.of[MIRRORED] + going.of[GLOSSY];
   set_rays(met, &by, rays);
   if (going.of[ENDS] == PACKET) return 0;
-  rtcIntersect16(rays->valid, made->scene, &rays->scattered, &rays->rays);
+  traverse_closest(made, rays->valid, &rays->scattered, &rays->rays);
   return 1;
 }

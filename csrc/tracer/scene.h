@@ -60,6 +60,7 @@ typedef struct transport {
 typedef struct mesh_frames mesh_frames;
 
 struct tracer {
+  tracer_options options; /* each as it is, the defaults too */
   RTCDevice device;
   RTCScene scene;
   asc_view view;

@@ -40,7 +40,7 @@ __all__ = [
 
 
 def load_scene(scene: str) -> SceneFile:
-    """A scene by its name in scenes/ or the path of a TOML file."""
+    """A scene by its name in scenes/ or the path of its file: TOML, or glTF (.glb, .gltf)."""
     return scene_io.load(scene)
 
 
@@ -73,10 +73,15 @@ def render(
     return found.render(Request(file.scene, width, height, spec, seed, threads, least_seconds, time_limit, shift))
 
 
-def reference(scene: str | SceneFile, *, size: tuple[int, int] | None = None) -> Reference:
-    """The exact picture of a scene under the box filter, made now. Raises Unsupported where there is none."""
+def reference(
+    scene: str | SceneFile, *, size: tuple[int, int] | None = None, shift: tuple[float, float] = Request.shift
+) -> Reference:
+    """The exact picture of a scene under the box filter, made now; moved on the film as `render` does it by `shift`.
+
+    Raises Unsupported where there is none.
+    """
     file = load_scene(scene) if isinstance(scene, str) else scene
-    return references.make(file.scene, size or file.scene.view.size)
+    return references.make(file.scene, size or file.scene.view.size, shift=shift)
 
 
 def error(image: Pixels, reference: Pixels) -> dict[str, float | None]:

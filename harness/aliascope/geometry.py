@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from aliascope.draws import UNMOVED
 from aliascope.model import Disc, LoadedMesh, Motion, Plane, Polygon, Scene, Sphere, Vector
 
 Array = NDArray[np.float64]
@@ -20,7 +21,8 @@ class Frame:
 
     Picture position (px, py), in pixels from the left and top border, lies at u = (2 px / width - 1) half_width along
     right and v = (1 - 2 py / height) half_height along up: a perspective ray goes from eye along forward + u right +
-    v up, an orthographic one from eye + u right + v up along forward.
+    v up, an orthographic one from eye + u right + v up along forward. With a `shift`, by which all that is seen is
+    moved to the right and down, it lies where (px, py) less the shift does without one.
     """
 
     perspective: bool
@@ -32,6 +34,17 @@ class Frame:
     forward: Array
     half_width: float
     half_height: float
+    shift: tuple[float, float] = UNMOVED
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """Where u and v are 0, in pixels from the left and top border."""
+        return self.width / 2 + self.shift[0], self.height / 2 + self.shift[1]
+
+    @property
+    def spans(self) -> tuple[float, float]:
+        """The largest numbers, in pixels across and down, that places on the picture are sums of: they set rounding."""
+        return self.width + abs(self.shift[0]), self.height + abs(self.shift[1])
 
     @property
     def pixel(self) -> float:
@@ -39,8 +52,9 @@ class Frame:
         return 2.0 * self.half_height / self.height
 
 
-def frame_of(scene: Scene, size: tuple[int, int] | None = None) -> Frame:
-    """The frame of a scene's camera. Another `size` keeps the vertical extent; the horizontal follows the aspect."""
+def frame_of(scene: Scene, size: tuple[int, int] | None = None, shift: tuple[float, float] = UNMOVED) -> Frame:
+    """The frame of a scene's camera, moved by `shift` pixels to the right and down on the film. Another `size` keeps
+    the vertical extent; the horizontal follows the aspect."""
     width, height = size or scene.view.size
     camera = scene.camera
     eye = np.array(camera.eye)
@@ -64,6 +78,7 @@ def frame_of(scene: Scene, size: tuple[int, int] | None = None) -> Frame:
         forward=forward,
         half_width=half_height * width / height,
         half_height=half_height,
+        shift=shift,
     )
 
 

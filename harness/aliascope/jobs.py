@@ -6,10 +6,10 @@ import functools
 import hashlib
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from aliascope import plan, renderers
+from aliascope import draws, places, plan, renderers
 from aliascope.errors import NotAvailable
 from aliascope.model import Scene
 from aliascope.native import samplers
@@ -35,7 +35,7 @@ class Plan:
     """What was chosen, for the title of a report: "quick profile, chosen scenes"."""
 
 
-COMMON = ("geometry.py", "image.py", "meshes.py", "model.py", "motion.py", "specs.py")
+COMMON = ("draws.py", "geometry.py", "image.py", "meshes.py", "model.py", "motion.py", "specs.py")
 """What the pictures of every renderer depend on, beside renderers/ and native/ without the files of other renderers."""
 
 SAMPLER_LIBRARY = "libaliascope.so"
@@ -101,7 +101,8 @@ def make_plan(
     required: Sequence[str] = (),
     suits: Callable[[str, Spec, Scene], bool] | None = None,
 ) -> Plan:
-    """The jobs of these scenes with these modes by renderer; a randomised mode gets `seeds` pictures.
+    """The jobs of these scenes with these modes by renderer; a randomised mode gets `seeds` pictures, one that is not
+    as many draws, as far as `places_of` has them.
 
     suits: whether a scene has a cell for a mode of the renderer of this name; None: for all.
     Raises NotAvailable for a `required` renderer that is not there, SpecError for a mode that can't be read.
@@ -146,15 +147,21 @@ def _jobs(
     size: tuple[int, int] | None,
     versions: Mapping[str, str],
 ) -> Iterator[Job]:
-    for seed in range(seeds if renderer.seeded(spec) else 1):
+    pixels = size or file.scene.view.size
+    if renderer.seeded(spec):
+        made = [(seed, draws.UNMOVED) for seed in range(seeds)]
+    else:
+        made = [(0, shift) for shift in places_of(file, pixels, filter_of(spec), seeds)]
+    for seed, shift in made:
         yield plan.make_job(
             scene=file.name,
             scene_path=str(file.path),
             digest=file.scene.digest(),
             renderer=renderer.name,
             mode=spec.text,
-            size=size or file.scene.view.size,
+            size=pixels,
             seed=seed,
+            shift=shift,
             versions={
                 **versions,
                 "code": code_digest(renderer.name, spec),
@@ -163,9 +170,32 @@ def _jobs(
         )
 
 
-def judged_by(job: Job) -> tuple[str, str]:
-    """Which reference judges a job: its scene's, of the filter that its mode has."""
-    return job.scene, filter_of(mode_of(job))
+def places_of(file: SceneFile, size: tuple[int, int], filter_: str, count: int) -> tuple[tuple[float, float], ...]:
+    """Where the film lies in the draws of a mode without seeds: so many places, `draws.MOST` at most. The first alone,
+    where it is, for a scene that has no reference elsewhere: none is kept, and no exact method may have it."""
+    from aliascope import references  # takes a second to load, and workers do without
+    from aliascope.references import files as reference_files
+
+    shifts = tuple(map(draws.shift_of, range(min(count, draws.MOST))))
+    own = file.path.parent == places.SCENES and size == file.scene.view.size
+    kept = own and all(
+        reference_files.path_of(places.REFERENCES, file.name, size, filter_, shift).is_file() for shift in shifts
+    )
+    return shifts if kept or references.may_be_exact(file.scene, filter_) else shifts[:1]
+
+
+def without(whole: Plan, judged: Judged) -> Plan:
+    """A plan without the jobs that this reference judges."""
+    return replace(whole, jobs=tuple(job for job in whole.jobs if judged_by(job) != judged))
+
+
+Judged = tuple[str, str, tuple[float, float]]
+"""A reference: scene, filter, and the pixels to the right and down by which all is moved on the film."""
+
+
+def judged_by(job: Job) -> Judged:
+    """Which reference judges a job: its scene's, of the filter that its mode has, moved as far as its film."""
+    return job.scene, filter_of(mode_of(job)), job.shift
 
 
 def mode_of(job: Job) -> Spec:

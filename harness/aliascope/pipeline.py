@@ -4,34 +4,41 @@ from __future__ import annotations
 
 import shlex
 import time
-from collections import Counter, deque
-from collections.abc import Callable, Iterable, Mapping
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from aliascope import image, metrics, places, renderers
-from aliascope.errors import AliascopeError, InvalidInput
-from aliascope.jobs import Plan, judged_by, mode_of, plugin_versions, plugins_of
+from aliascope import calibration, image, metrics, places, renderers
+from aliascope.calibration import Effort, Watch
+from aliascope.draws import UNMOVED, text_of
+from aliascope.errors import AliascopeError, InvalidInput, JobFailed
+from aliascope.jobs import Judged, Plan, judged_by, mode_of, plugin_versions, plugins_of
 from aliascope.records import Job, Outcome, Pixels, Rendering
 from aliascope.renderers.base import LEAST_SECONDS, Request
 from aliascope.scene_io import SceneFile
 from aliascope.store import Store
 from aliascope.workers import Task, Workers
 
-References = Mapping[tuple[str, str], Pixels]
-"""The pictures that others are judged by, by scene and filter."""
+References = Mapping[Judged, Pixels]
+"""The pictures that others are judged by."""
 
 Progress = Callable[[Job | str | None, int, int], None]
 """Told of the job or other work that begins (None at the end), how many are done, and how many there are to do."""
 
-IDLE_ABREAST = 4
-"""Jobs of a renderer that idles (`Renderer.idles`) that run side by side."""
+MEASURED_AT_ONCE = 16
+"""Pictures of one task of a process that measures."""
+MEASURED_HERE = 48
+"""Pictures that are measured sooner than processes that do it have begun."""
+MEASURING_LIMIT = 600.0
+"""Seconds that it may take to measure the pictures of a task."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """How to run: processes side by side (timed jobs go one at a time: 1), seconds that one job may take, and that the
-    pictures of a scene and mode, its seeds together, are rendered for at least."""
+    """How to run: processes side by side (timed jobs go one at a time: 1), seconds that one job may take, and CPU
+    seconds of a timed run, which is one picture, rendered again and again until it has lasted as long."""
 
     processes: int = 1
     time_limit: float = 120.0
@@ -40,16 +47,16 @@ class Options:
 
 @dataclass(frozen=True)
 class Timed:
-    """What a worker sends back, and how long it rendered by the clock on the wall, repeats and all."""
+    """What a worker sends back: the picture, and what all of its repeats took of the process."""
 
     rendering: Rendering
-    seconds: float
+    effort: Effort
 
 
 def render_job(file: SceneFile, job: Job, options: Options) -> Timed:
     """Renders one job. Runs in a worker process."""
     renderer = renderers.find(job.renderer)
-    begun = time.perf_counter()
+    ended = calibration.effort()
     request = Request(
         scene=file.scene,
         width=job.width,
@@ -58,15 +65,23 @@ def render_job(file: SceneFile, job: Job, options: Options) -> Timed:
         seed=job.seed,
         least_seconds=options.least_seconds,
         time_limit=options.time_limit,
+        shift=job.shift,
     )
     rendering = renderer.render(request)
-    return Timed(rendering, time.perf_counter() - begun)
+    return Timed(rendering, ended())
+
+
+def measure_pictures(paths: Sequence[Path], reference: Pixels) -> list[dict[str, float | None]]:
+    """The metrics of pictures that one reference judges. Runs in a worker process, or in this one."""
+    measured = (metrics.measure(image.read_image(path), reference) for path in paths)
+    return [{name: value.value for name, value in values.items()} for values in measured]
 
 
 def image_path(job: Job) -> str:
     """Where a job's picture lies in the output folder."""
     mode = job.mode.translate(str.maketrans(":,=/", "_,=_"))
-    return f"images/{job.scene}/{job.renderer}/{mode[:100]}-{job.seed}-{job.key[:8]}.exr"
+    moved = "" if job.shift == UNMOVED else "@" + text_of(job.shift).replace(",", "_")
+    return f"images/{job.scene}/{job.renderer}/{mode[:100]}-{job.seed}{moved}-{job.key[:8]}.exr"
 
 
 def counts_path(picture: str) -> str:
@@ -74,39 +89,31 @@ def counts_path(picture: str) -> str:
     return picture.removesuffix(".exr") + ".counts.exr"
 
 
-def provenance(
-    job: Job, rendering: Rendering, versions: Mapping[str, str], shift: tuple[float, float] = Request.shift
-) -> dict[str, str]:
-    """The header of a picture's file. A picture that was moved on the film says by how much, and has not the job's key,
-    which is that of the picture in its place."""
+def provenance(job: Job, rendering: Rendering, versions: Mapping[str, str]) -> dict[str, str]:
+    """The header of a picture's file."""
     shown = {**versions, **plugin_versions(mode_of(job))}
-    moved = shift != Request.shift
     return {
-        **({"shift": _pair(shift)} if moved else {"key": job.key}),
+        "key": job.key,
         "scene": job.scene,
         "renderer": job.renderer,
         "mode": job.mode,
         "seed": str(job.seed),
+        **({} if job.shift == UNMOVED else {"shift": text_of(job.shift)}),
         "samples": str(rendering.cost.samples),
         "cpu_seconds": f"{rendering.cost.cpu_seconds:.6g}",
         "versions": ", ".join(f"{name} {value}" for name, value in sorted(shown.items())),
         "revision": places.revision(),
-        "command": repeat_command(job, shift=shift),
+        "command": repeat_command(job),
     }
 
 
-def _pair(shift: tuple[float, float]) -> str:
-    """As `aliascope render --shift` takes it."""
-    return ",".join(repr(float(pixels)) for pixels in shift)
-
-
-def repeat_command(job: Job, time_limit: float = Request.time_limit, shift: tuple[float, float] = Request.shift) -> str:
+def repeat_command(job: Job, time_limit: float = Request.time_limit) -> str:
     """The command that renders a job again, alone, with the plugins that its mode names."""
     scene = job.scene if Path(job.scene_path).parent == places.SCENES else job.scene_path
     words = ["aliascope", "render", scene, "-r", job.renderer, "-m", job.mode, "--seed", str(job.seed)]
     words += ["--size", f"{job.width}x{job.height}", "-o", "out.exr"]
-    if shift != Request.shift:
-        words += ["--shift", _pair(shift)]
+    if job.shift != UNMOVED:
+        words += ["--shift", text_of(job.shift)]
     if time_limit != Request.time_limit:
         words += ["--time-limit", f"{time_limit:g}"]
     for path in dict.fromkeys(plugin.path for plugin in plugins_of(mode_of(job)).values()):
@@ -115,16 +122,16 @@ def repeat_command(job: Job, time_limit: float = Request.time_limit, shift: tupl
 
 
 class Keeper:
-    """Keeps what comes back, and measures it."""
+    """Keeps what comes back."""
 
-    def __init__(self, folder: Path, store: Store, references: References, plan: Plan, processes: int) -> None:
-        self._folder, self._store, self._references, self._plan = folder, store, references, plan
-        self._processes = processes
+    def __init__(self, folder: Path, store: Store, plan: Plan, processes: int) -> None:
+        self._folder, self._store, self._plan, self._processes = folder, store, plan, processes
 
-    def keep(self, job: Job, task: Task[Timed], submitted: float) -> Outcome:
+    def keep(self, job: Job, task: Task[Timed], submitted: float, watch: Watch) -> Outcome:
         """The outcome of one job, kept without metrics; a job that fails is an outcome too."""
         try:
             timed = task.result()
+            watch.ran(timed.effort)
             path = image_path(job)
             header = provenance(job, timed.rendering, self._plan.versions)
             if timed.rendering.counts is not None:
@@ -136,7 +143,7 @@ class Keeper:
                 cost=timed.rendering.cost,
                 quantum=timed.rendering.quantum,
                 image=path,
-                harness_seconds=time.perf_counter() - submitted - timed.seconds,
+                harness_seconds=time.perf_counter() - submitted - timed.effort.wall,
                 processes=self._processes,
             )
         except AliascopeError as error:
@@ -144,80 +151,78 @@ class Keeper:
         self._store.put(outcome)
         return outcome
 
-    def measure(self, outcome: Outcome) -> Outcome:
-        """A kept outcome with the metrics that there are, of the picture that lies in the folder."""
-        pixels = image.read_image(self._folder / outcome.image)
-        values = metrics.measure(pixels, self._references[judged_by(outcome.job)])
-        measured = replace(outcome, metrics={name: value.value for name, value in values.items()})
-        self._store.put(measured)
-        return measured
+    def path(self, outcome: Outcome) -> Path:
+        """Where the picture of a kept outcome lies."""
+        return self._folder / outcome.image
+
+    def measured(self, outcome: Outcome, values: Mapping[str, float | None]) -> Outcome:
+        """A kept outcome with its metrics."""
+        self._store.put_metrics(outcome.job.key, values)
+        return replace(outcome, metrics=values)
 
     def whole(self, outcome: Outcome) -> bool:
         """Whether the picture of a kept outcome is there, can be read, and has its size; its counts too, if any."""
         try:
             if mode_of(outcome.job).name == "adaptive":
                 image.read_counts(self._folder / counts_path(outcome.image))
-            return image.read_image(self._folder / outcome.image).shape == (outcome.job.height, outcome.job.width, 3)
+            return image.read_image(self.path(outcome)).shape == (outcome.job.height, outcome.job.width, 3)
         except InvalidInput:
             return False
 
 
-def side_by_side(processes: int) -> int:
-    """How many worker processes there are for so many timed jobs at a time: those of a renderer that idles run
-    IDLE_ABREAST at least."""
-    return max(processes, IDLE_ABREAST)
-
-
-def _cell(job: Job) -> tuple[str, str, str]:
-    """What the pictures of several seeds share, and their time."""
-    return job.scene, job.renderer, job.mode
-
-
 class _Run:
-    """The jobs on their way. Nothing is measured beside a job that is timed alone; what waits to be measured is what
-    there is to do beside the others."""
+    """The jobs on their way. Nothing is measured beside a job that is timed."""
 
-    def __init__(self, plan: Plan, options: Options, keeper: Keeper, workers: Workers) -> None:
-        self._plan, self._options, self._keeper, self._workers = plan, options, keeper, workers
-        self._pictures = Counter(_cell(job) for job in plan.jobs)
-        self.outcomes: dict[str, Outcome] = {}
-        self._unmeasured: deque[str] = deque()
+    def __init__(self, plan: Plan, options: Options, keeper: Keeper, outcomes: dict[str, Outcome]) -> None:
+        self._plan, self._options, self._keeper, self.outcomes = plan, options, keeper, outcomes
+        self.watch = Watch()
 
-    def add(self, outcome: Outcome) -> None:
-        """An outcome that is kept."""
-        self.outcomes[outcome.job.key] = outcome
-        if outcome.status == "done" and set(outcome.metrics) != set(metrics.METRICS):
-            self._unmeasured.append(outcome.job.key)
-
-    def render(self, jobs: Iterable[Job], abreast: int, alone: bool, progress: Callable[[Job], None]) -> None:
-        """Has jobs rendered, so many side by side."""
+    def render(self, jobs: Sequence[Job], workers: Workers, progress: Progress) -> None:
+        """Has jobs rendered in their order, the fixed job of calibration between them."""
         waiting: deque[tuple[Job, Task[Timed], float]] = deque()
-        for job in jobs:
-            if len(waiting) == abreast:
-                self._finish(*waiting.popleft(), alone)
-            progress(job)
-            least = self._options.least_seconds / self._pictures[_cell(job)]
-            arguments = [self._plan.files[job.scene], job, replace(self._options, least_seconds=least)]
-            task = self._workers.begin(render_job, arguments, self._options.time_limit)
+        for number, job in enumerate(jobs):
+            if len(waiting) == self._options.processes:
+                self._finish(*waiting.popleft())
+            if number % calibration.EVERY == 0:
+                self._calibrate(workers)
+            progress(job, number, len(jobs))
+            arguments = [self._plan.files[job.scene], job, self._options]
+            task = workers.begin(render_job, arguments, self._options.time_limit)
             waiting.append((job, task, time.perf_counter()))
         for job, task, submitted in waiting:
-            self._finish(job, task, submitted, alone)
+            self._finish(job, task, submitted)
+        if jobs:
+            self._calibrate(workers)
 
-    def _finish(self, job: Job, task: Task[Timed], submitted: float, alone: bool) -> None:
-        while self._unmeasured and not alone and not task.done():
-            self._measure_one()
-        self.add(self._keeper.keep(job, task, submitted))
+    def _calibrate(self, workers: Workers) -> None:
+        with suppress(JobFailed):  # its process ended: what is wrong will be told of a picture
+            self.watch.beat(workers.begin(calibration.beat, [], self._options.time_limit).result())
 
-    def _measure_one(self) -> None:
-        key = self._unmeasured.popleft()
-        self.outcomes[key] = self._keeper.measure(self.outcomes[key])
+    def _finish(self, job: Job, task: Task[Timed], submitted: float) -> None:
+        self.outcomes[job.key] = self._keeper.keep(job, task, submitted, self.watch)
 
-    def measure(self, progress: Progress) -> None:
-        """Measures what is left."""
-        left = len(self._unmeasured)
-        while self._unmeasured:
-            progress("the measures of the pictures", left - len(self._unmeasured), left)
-            self._measure_one()
+    def measure(self, references: References, workers: Workers | None, progress: Progress) -> None:
+        """Measures what has not all metrics, by these workers where it is much."""
+        by_reference: dict[Judged, list[Outcome]] = {}
+        for outcome in self.outcomes.values():
+            if outcome.status == "done" and set(outcome.metrics) != set(metrics.METRICS):
+                by_reference.setdefault(judged_by(outcome.job), []).append(outcome)
+        parts = [
+            (judged, outcomes[first : first + MEASURED_AT_ONCE])
+            for judged, outcomes in by_reference.items()
+            for first in range(0, len(outcomes), MEASURED_AT_ONCE)
+        ]
+        total, done = sum(len(part) for _, part in parts), 0
+        arguments = [([self._keeper.path(each) for each in part], references[judged]) for judged, part in parts]
+        begun: list[Task[list[dict[str, float | None]]]] = []
+        if workers is not None and total > MEASURED_HERE:
+            begun = [workers.begin(measure_pictures, each, MEASURING_LIMIT) for each in arguments]
+        for number, (_, part) in enumerate(parts):
+            progress("the measures of the pictures", done, total)
+            values = begun[number].result() if begun else measure_pictures(*arguments[number])
+            for outcome, found in zip(part, values, strict=True):
+                self.outcomes[outcome.job.key] = self._keeper.measured(outcome, found)
+            done += len(part)
 
 
 def execute(
@@ -228,30 +233,29 @@ def execute(
     options: Options,
     progress: Progress,
     workers: Workers,
+    measurers: Workers | None = None,
 ) -> tuple[dict[str, Outcome], int]:
-    """Has the workers render what the store does not have. Returns the outcomes by key, and how many of them were there
-    already.
+    """Has the workers time what the store does not have, in the order of the plan, which is by chance, and then
+    measured, by the `measurers` if there are any. Returns the outcomes by key, and how many of them were there already.
+    The store keeps how steady the machine was.
 
-    What was timed beside more jobs than run side by side now does not count: its time is not comparable. Jobs of
-    renderers that idle come last, by themselves: beside them others would not be timed alone.
+    What was timed beside more jobs than run side by side now does not count: its time is not comparable.
     """
     image.remove_unfinished(folder / "images")
-    keeper = Keeper(folder, store, references, plan, options.processes)
-    run = _Run(plan, options, keeper, workers)
-    for outcome in store.done(job.key for job in plan.jobs).values():
-        if outcome.processes <= options.processes and keeper.whole(outcome):
-            run.add(outcome)
-    reused = len(run.outcomes)
-    todo = [job for job in plan.jobs if job.key not in run.outcomes]
-
-    def begins(job: Job) -> None:
-        progress(job, len(run.outcomes) - reused, len(todo))
-
-    for idles in (False, True):
-        jobs = [job for job in todo if renderers.find(job.renderer).idles == idles]
-        abreast = side_by_side(options.processes) if idles else options.processes
-        run.render(jobs, abreast, alone=abreast == 1, progress=begins)
-    run.measure(progress)
+    keeper = Keeper(folder, store, plan, options.processes)
+    done = store.done(job.key for job in plan.jobs)
+    kept = {
+        key: outcome
+        for key, outcome in done.items()
+        if outcome.processes <= options.processes and keeper.whole(outcome)
+    }
+    reused, todo = len(kept), [job for job in plan.jobs if job.key not in kept]
+    run = _Run(plan, options, keeper, kept)
+    try:
+        run.render(todo, workers, progress)
+    finally:
+        store.put_noise(run.watch.noise())
+    run.measure(references, measurers, progress)
     if todo:
         progress(None, len(todo), len(todo))
     return run.outcomes, reused

@@ -1,4 +1,4 @@
-"""Where the project's own scenes and references lie, and from which revision and machine results come."""
+"""Where the project's own scenes, references and libraries lie, and from which revision and machine results come."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ _ROOT = Path(__file__).resolve().parents[2]
 
 SCENES = _ROOT / "scenes"
 REFERENCES = _ROOT / "reference"
+LIBRARIES = Path(__file__).parent / "native" / "lib"
 
 
 @functools.cache

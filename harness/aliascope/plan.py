@@ -7,6 +7,8 @@ import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
 
+from aliascope import knob_modes
+from aliascope.draws import UNMOVED, text_of
 from aliascope.errors import InvalidInput, near_misses
 from aliascope.model import AreaLight, DiscLight, Scene, SphereLight
 from aliascope.records import Job
@@ -159,7 +161,7 @@ FULL: Mapping[str, tuple[str, ...]] = {
     ),
 }
 
-PROFILES: Mapping[str, Mapping[str, tuple[str, ...]]] = {"quick": QUICK, "full": FULL}
+PROFILES: Mapping[str, Mapping[str, tuple[str, ...]]] = {"quick": QUICK, "full": FULL, "knobs": knob_modes.MODES}
 KINDS: Mapping[str, Mapping[str, Mapping[str, tuple[str, ...]]]] = {
     "quick": {
         "povray": POVRAY_QUICK,
@@ -170,12 +172,14 @@ KINDS: Mapping[str, Mapping[str, Mapping[str, tuple[str, ...]]]] = {
         },
     },
     "full": {"povray": POVRAY_FULL},
+    "knobs": knob_modes.KINDS,
 }
 """By profile and renderer, the modes for each kind of scene (`kind_of`); a renderer that is not here has the same for
 all. The cells of other modes are left out: they would be empty, or take long for what they show."""
 
-SEEDS: Mapping[str, int] = {"quick": 3, "full": 16}
-"""How many pictures, with seeds 0, 1, ..., a randomised mode gets in each profile."""
+SEEDS: Mapping[str, int] = {"quick": 3, "full": 16, "knobs": 3}
+"""How many pictures, with seeds 0, 1, ..., a randomised mode gets in each profile; one without seeds gets as many, but
+`draws.MOST` at most, each with the film in another place."""
 
 
 def profile(name: str) -> Mapping[str, tuple[str, ...]]:
@@ -234,9 +238,12 @@ def make_job(
     size: tuple[int, int],
     seed: int,
     versions: Mapping[str, str],
+    shift: tuple[float, float] = UNMOVED,
 ) -> Job:
     """A job under the key of all that its picture depends on: the scene's digest, renderer and canonical mode, size,
-    seed, and the versions of what renders it."""
-    contents = [digest, renderer, mode, list(size), seed, dict(versions)]
+    seed, the versions of what renders it, and the shift, where there is one."""
+    contents: list[object] = [digest, renderer, mode, list(size), seed, dict(versions)]
+    if shift != UNMOVED:
+        contents.append(text_of(shift))
     key = hashlib.sha256(json.dumps(contents, sort_keys=True).encode()).hexdigest()[:32]
-    return Job(key, scene, scene_path, renderer, mode, size[0], size[1], seed)
+    return Job(key, scene, scene_path, renderer, mode, size[0], size[1], seed, shift)

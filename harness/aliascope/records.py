@@ -20,7 +20,8 @@ class Cost:
     """What a picture cost.
 
     `samples` counts all of them; `cpu_seconds` is CPU time of the rendering phase of one picture, on one thread, the
-    mean over `repeats` renderings in a row; `wall_seconds` is the same by the clock on the wall.
+    mean over `repeats` renderings in a row; `wall_seconds` is the same by the clock on the wall. `instructions` are
+    those of the rendering phase of one picture, where the processor's counters can be read.
     """
 
     samples: int
@@ -29,6 +30,7 @@ class Cost:
     cpu_seconds: float
     wall_seconds: float
     repeats: int = 1
+    instructions: float | None = None
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,8 @@ class Job:
     width: int
     height: int
     seed: int
+    shift: tuple[float, float] = (0.0, 0.0)
+    """Pixels to the right and down by which the film is moved (`draws`), and with it the reference."""
 
 
 @dataclass(frozen=True)
@@ -88,10 +92,12 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A figure and its standard error: None where it is not known, 0 where the figure is exact."""
+    """A figure and its standard error: None where it is not known, 0 where the figure is exact. `interval`: that of
+    95 % where it was found otherwise than by two standard errors."""
 
     value: float | None
     standard_error: float | None = None
+    interval: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -120,6 +126,11 @@ class ModeRow:
     plots. `pixels` is the picture of the first seed, `counts` the samples of its pixels, where they differ; `metrics`
     maps "rmse" and the like to their estimates. `p_values` (height, width, 3) are those of the mean of all pictures
     against the reference, where a test made them.
+
+    `cpu_seconds` is the median of the timed runs, `seconds` are these, CPU seconds of one picture each. `draws` maps
+    each metric to its value for each picture, draw by draw; `deterministic`: they differ by shifts of the film, not by
+    seeds. `samples` and `rays` (by kind) are of one picture, and so are `instructions`. `settings` are the keys of the
+    mode's spec with their values, those left out and of inner specs too ("depth": "3", "sampler.scramble": "owen").
     """
 
     renderer: str
@@ -134,6 +145,32 @@ class ModeRow:
     quantum: float = 0.0
     counts: Counts | None = None
     p_values: NDArray[np.float64] | None = None
+    seconds: tuple[float, ...] = ()
+    draws: Mapping[str, tuple[float | None, ...]] = field(default_factory=dict)
+    deterministic: bool = False
+    samples: int = 0
+    rays: Mapping[str, int] = field(default_factory=dict)
+    instructions: float | None = None
+    settings: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Noise:
+    """How steady the machine was: a fixed job of calibration, run throughout a comparison.
+
+    `seconds` is the median CPU time of the job, `spread` the standard deviation of its times over that, `drift` by how
+    much the last quarter of the runs was slower than the first (0.01: 1 %), `slowest` the largest time over the median.
+    `loaded`: something else ran on the machine, so that times are not to be trusted; `told` says so, or that it was
+    quiet, in one sentence.
+    """
+
+    runs: int
+    seconds: float
+    spread: float
+    drift: float
+    slowest: float
+    loaded: bool
+    told: str
 
 
 @dataclass(frozen=True)
@@ -208,3 +245,4 @@ class ReportData:
     probes: tuple[Probe, ...] = ()
     """Of the renderers that took part."""
     probe_limits: ProbeLimits | None = None
+    noise: Noise | None = None

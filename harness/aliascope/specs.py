@@ -28,6 +28,8 @@ class Key:
     maximum: float = math.inf
     choices: tuple[str, ...] = ()
     inner: Callable[[str], str] | None = None
+    inner_settings: Callable[[str], Mapping[str, str]] | None = None
+    """All keys of an inner spec with their values."""
     named: bool = False
     """The inner spec is part of a mode's name for people, also where it is the default."""
     is_count: bool = False
@@ -130,6 +132,21 @@ def spelled_out(spec: Spec) -> str:
         else:
             pairs[key.name] = _shown(spec.values[key.name])
     return join(spec.name, pairs)
+
+
+def settings(spec: Spec) -> dict[str, str]:
+    """All keys of a spec with their values, those left out too; of inner specs the name and, dotted, their keys."""
+    found: dict[str, str] = {}
+    for key in spec.form.keys:
+        if key.kind == "spec":
+            word = spec.word(key.name)
+            base, under = split(word)
+            found[key.name] = base
+            whole = key.inner_settings(word) if key.inner_settings is not None else under
+            found.update({f"{key.name}.{name}": value for name, value in whole.items()})
+        else:
+            found[key.name] = _shown(spec.values[key.name])
+    return found
 
 
 def family(spec: Spec) -> str:

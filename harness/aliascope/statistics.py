@@ -32,6 +32,74 @@ def root_mean_square(values: Sequence[float]) -> Estimate:
     return Estimate(root, squares.standard_error / (2.0 * root))
 
 
+@dataclass(frozen=True)
+class Spread:
+    """How runs of the same work differ: the standard deviation of the logarithms of their times, from so many degrees
+    of freedom; `known` is what it is at least, whatever the runs say."""
+
+    sigma: float
+    freedom: float
+    known: float = 0.0
+
+
+CAUGHT = 0.95
+"""Variances of one mode beyond this quantile of what chance makes count no more than that."""
+
+ROUNDS = 200
+"""Steps to the pooled variance at most."""
+
+
+def pooled_spread(groups: Sequence[Sequence[float]], drift: float = 0.0) -> Spread | None:
+    """The spread that groups of runs have in common, each of one piece of work: the standard deviation of the
+    logarithms of their times. None without two runs, above zero, of one piece.
+
+    Each group's variance is of n - 1 degrees of freedom. Outliers count little: the pooled variance is that under which
+    the groups' own, none above its CAUGHT quantile, are as large as such variances are in the mean (an M-estimate of
+    scale, Huber 1964). Of three runs each with normal noise, with one run in twenty much slower, and with noise of
+    Student's t with 4 degrees of freedom, intervals from it cover 95 to 97 % of the true times; of modes whose own
+    spreads differ by up to a factor of two either way 92 %.
+
+    drift: by how much the machine became slower from the first quarter of the runs to the last. As runs lie by chance
+    between, that spreads them by 4/3 drift / sqrt(12) at least.
+    """
+    from scipy.special import chdtr, chdtri  # the distributions alone; scipy.stats takes a second to load
+
+    logs = [np.log(group) for group in groups if len(group) > 1 and min(group) > 0.0]
+    if not logs:
+        return None
+    freedom = np.array([len(each) - 1 for each in logs], dtype=np.float64)
+    variances = np.array([each.var(ddof=1) for each in logs])
+    ends = chdtri(freedom, 1.0 - CAUGHT) / freedom
+    # The mean of min(V, end) for V of mean 1: a chi-squared variable over its degrees of freedom.
+    expected = chdtr(freedom + 2.0, ends * freedom) + ends * (1.0 - CAUGHT)
+    wanted, variance = float((freedom * expected).sum()), float(np.average(variances, weights=freedom))
+    for _ in range(ROUNDS if variance > 0.0 else 0):  # falls from the plain mean, which outliers make too large
+        ratio = float((freedom * np.minimum(variances / variance, ends)).sum()) / wanted
+        variance *= ratio
+        if abs(ratio - 1.0) < 1e-9:
+            break
+    return Spread(math.sqrt(variance), float(freedom.sum()), abs(drift) * (4.0 / 3.0) / math.sqrt(12.0))
+
+
+_OF_MEDIAN = (1.0, 1.0, 0.707, 0.670, 0.546, 0.536, 0.463, 0.459, 0.410, 0.408)
+"""Standard errors of the median of 0 to 9 values of the normal distribution, in standard deviations."""
+
+
+def median_time(seconds: Sequence[float], spread: Spread | None) -> Estimate:
+    """The median of timed runs, its standard error and its interval of 95 %, from the spread of runs of such work;
+    without it nothing is known but the median."""
+    from scipy.special import stdtrit
+
+    value = float(np.median(np.asarray(seconds)))
+    if spread is None or value <= 0.0:
+        return Estimate(value)
+    n = len(seconds)
+    share = _OF_MEDIAN[n] if n < len(_OF_MEDIAN) else math.sqrt(math.pi / (2.0 * n + 1.0))
+    half = share * max(float(stdtrit(spread.freedom, 0.975)) * spread.sigma, 1.96 * spread.known)
+    error = value * share * max(spread.sigma, spread.known)
+    return Estimate(value, error, (value * math.exp(-half), value * math.exp(half)))
+
+
 TELLING = 2.0
 """Standard errors of a difference from which on it is taken for one: 95 % of what is none stays below."""
 
@@ -71,6 +139,7 @@ class FittedRate:
 
     curved: the points lie on a bend, at 1 % significance; the interval then takes in the slopes of the bend at both
     ends, so that it holds the rate at least_n and at most_n. local: the slope at most_n, of the bend if there is one.
+    standard_error is that of the straight line's exponent, with `freedom` degrees of freedom.
     """
 
     exponent: float
@@ -81,14 +150,22 @@ class FittedRate:
     count: int
     curved: bool
     local: float
+    standard_error: float
+    freedom: float
 
 
-def fit_rate(counts: Sequence[int], errors: Sequence[float], standard_errors: Sequence[float]) -> FittedRate:
+def fit_rate(
+    counts: Sequence[int], errors: Sequence[float], standard_errors: Sequence[float], freedom: float = 0.0
+) -> FittedRate:
     """The power law through three or more (n, error), all above 0, by weighted least squares of the logarithms.
 
     Weights are those of the standard errors, or equal where one of them is 0. The interval is Student's, with the
     scatter about the line in it where that is larger than the standard errors account for (Birge 1932). Raises
     ValueError for fewer than three.
+
+    freedom: the degrees of freedom that the standard errors are known with, together; 0 where that is not known. With
+    it the scatter, unless it is larger than they account for at 1 % significance, and the standard errors are pooled,
+    which makes three points enough for a useful interval.
     """
     from scipy.special import stdtrit  # the quantiles alone; scipy.stats takes a second to load
 
@@ -99,25 +176,43 @@ def fit_rate(counts: Sequence[int], errors: Sequence[float], standard_errors: Se
     weighted = bool((spread > 0.0).all())
     spread = spread if weighted else np.ones_like(x)
     middle = float(np.average(x, weights=spread**-2.0))
-    line, line_error = _least_squares(x - middle, y, spread, 1, weighted)
-    half = float(stdtrit(len(x) - 2, 0.975)) * line_error
+    line, line_error, free = _least_squares(x - middle, y, spread, 1, weighted, freedom)
+    half = float(stdtrit(free, 0.975)) * line_error
     low, high, local, curved = line[1] - half, line[1] + half, line[1], False
     if len(x) >= 5:
-        bend, bend_error = _least_squares(x - middle, y, spread, 2, weighted)
-        if abs(bend[2]) > float(stdtrit(len(x) - 3, 0.995)) * bend_error:
+        bend, bend_error, bend_free = _least_squares(x - middle, y, spread, 2, weighted, freedom)
+        if abs(bend[2]) > float(stdtrit(bend_free, 0.995)) * bend_error:
             ends = [bend[1] + 2.0 * bend[2] * (end - middle) for end in (x.min(), x.max())]
             low, high, local, curved = min(low, *ends), max(high, *ends), ends[1], True
     constant = math.exp(line[0] - line[1] * middle)
-    return FittedRate(line[1], (low, high), constant, min(counts), max(counts), len(x), curved, local)
+    return FittedRate(line[1], (low, high), constant, min(counts), max(counts), len(x), curved, local, line_error, free)
 
 
 def _least_squares(
-    x: NDArray[np.float64], y: NDArray[np.float64], spread: NDArray[np.float64], degree: int, weighted: bool
-) -> tuple[list[float], float]:
-    """The coefficients of a polynomial, constant first, and the standard error of the last."""
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    spread: NDArray[np.float64],
+    degree: int,
+    weighted: bool,
+    freedom: float,
+) -> tuple[list[float], float, float]:
+    """The coefficients of a polynomial, constant first, the standard error of the last, its degrees of freedom."""
     design = np.vander(x, degree + 1, increasing=True) / spread[:, None]
     covariance = np.linalg.inv(design.T @ design)
     found = covariance @ (design.T @ (y / spread))
-    free = len(x) - degree - 1
-    scatter = float((((y / spread) - design @ found) ** 2).sum()) / free if free else 0.0
-    return found.tolist(), math.sqrt(covariance[-1, -1] * (max(1.0, scatter) if weighted else scatter))
+    free = float(len(x) - degree - 1)
+    squares = float((((y / spread) - design @ found) ** 2).sum())
+    scatter = squares / free if free else 0.0
+    if weighted and freedom and not _larger(scatter, free, freedom):
+        free += freedom
+        scatter = (squares + freedom) / free
+    elif weighted:
+        scatter = max(1.0, scatter)
+    return found.tolist(), math.sqrt(covariance[-1, -1] * scatter), free
+
+
+def _larger(scatter: float, free: float, freedom: float) -> bool:
+    """Whether scatter over the squares of standard errors is more than 1, at 1 % significance (Fisher's F)."""
+    from scipy.special import fdtrc
+
+    return free > 0 and float(fdtrc(free, freedom, scatter)) < 0.01

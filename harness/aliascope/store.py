@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import sqlite3
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
 
 from aliascope.errors import InvalidInput, NotWritable
-from aliascope.records import Cost, Job, Outcome, Probe
+from aliascope.records import Cost, Job, Noise, Outcome, Probe
 
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 
 _PROBE = """
 CREATE TABLE probe (
@@ -31,7 +32,8 @@ CREATE TABLE run (
   command TEXT NOT NULL,
   revision TEXT NOT NULL,           -- of the source tree, "+" where it has changes
   machine TEXT NOT NULL,            -- JSON
-  versions TEXT NOT NULL            -- JSON
+  versions TEXT NOT NULL,           -- JSON
+  noise TEXT                        -- JSON: how steady the machine was; NULL where nothing was timed
 );
 CREATE TABLE job (
   key TEXT PRIMARY KEY,             -- hash of all that the picture depends on
@@ -48,7 +50,9 @@ CREATE TABLE job (
   quantum REAL,
   image TEXT,                       -- relative to the folder
   harness_seconds REAL,
-  processes INTEGER NOT NULL DEFAULT 1  -- that ran side by side: with more than one, times are inflated
+  processes INTEGER NOT NULL DEFAULT 1, -- that ran side by side: with more than one, times are inflated
+  shift_right REAL NOT NULL DEFAULT 0, shift_down REAL NOT NULL DEFAULT 0, -- of the film, in pixels
+  instructions REAL                 -- of the rendering of one picture; NULL where they cannot be counted
 );
 CREATE TABLE metric (
   key TEXT NOT NULL REFERENCES job (key) ON DELETE CASCADE,
@@ -60,8 +64,15 @@ CREATE TABLE metric (
 
 _STEPS = {
     # Jobs that schema 1 kept count as timed alone, the default of -j. They may not have been: it did not note that.
-    1: "ALTER TABLE job ADD COLUMN processes INTEGER NOT NULL DEFAULT 1",
-    2: _PROBE,
+    1: ("ALTER TABLE job ADD COLUMN processes INTEGER NOT NULL DEFAULT 1",),
+    2: (_PROBE,),
+    # Schema 3 had no pictures that were moved.
+    3: (
+        "ALTER TABLE run ADD COLUMN noise TEXT",
+        "ALTER TABLE job ADD COLUMN shift_right REAL NOT NULL DEFAULT 0",
+        "ALTER TABLE job ADD COLUMN shift_down REAL NOT NULL DEFAULT 0",
+        "ALTER TABLE job ADD COLUMN instructions REAL",
+    ),
 }
 """What brings a schema to the next."""
 
@@ -93,7 +104,8 @@ class Store:
             with self._database:
                 self._database.execute("BEGIN")  # or a column could be there and the version not
                 for step in range(version, SCHEMA_VERSION):
-                    self._database.execute(_STEPS[step])
+                    for statement in _STEPS[step]:
+                        self._database.execute(statement)
                 self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
         elif version != SCHEMA_VERSION:
             raise InvalidInput(
@@ -125,13 +137,14 @@ class Store:
         """Keeps an outcome, in place of an earlier one of the same job."""
         job, cost = outcome.job, outcome.cost
         figures: tuple[object, ...] = (None,) * 6
+        instructions = cost.instructions if cost is not None else None
         if cost is not None:
             rays = json.dumps(dict(cost.rays))
             figures = (cost.samples, cost.samples_per_pixel, rays, cost.cpu_seconds, cost.wall_seconds, cost.repeats)
         row = (
             *(job.key, self._run, job.scene, job.scene_path, job.renderer, job.mode, job.width, job.height, job.seed),
             *(outcome.status, outcome.message, *figures),
-            *(outcome.quantum, outcome.image, outcome.harness_seconds, outcome.processes),
+            *(outcome.quantum, outcome.image, outcome.harness_seconds, outcome.processes, *job.shift, instructions),
         )
         try:
             with self._database:
@@ -143,6 +156,42 @@ class Store:
                 )
         except sqlite3.OperationalError as error:
             raise NotWritable(f"results.sqlite: cannot be written: {error}") from error
+
+    def put_metrics(self, key: str, metrics: Mapping[str, float | None]) -> None:
+        """Keeps the metrics of a picture whose outcome is kept, in place of earlier ones."""
+        try:
+            with self._database:
+                self._database.execute("DELETE FROM metric WHERE key = ?", (key,))
+                self._database.executemany(
+                    "INSERT INTO metric VALUES (?, ?, ?)", [(key, name, value) for name, value in metrics.items()]
+                )
+        except sqlite3.OperationalError as error:
+            raise NotWritable(f"results.sqlite: cannot be written: {error}") from error
+
+    def put_noise(self, noise: Noise | None) -> None:
+        """Keeps how steady the machine was during this run."""
+        if noise is None:
+            return
+        try:
+            with self._database:
+                self._database.execute("UPDATE run SET noise = ? WHERE id = ?", (json.dumps(asdict(noise)), self._run))
+        except sqlite3.OperationalError as error:
+            raise NotWritable(f"results.sqlite: cannot be written: {error}") from error
+
+    def noise(self, keys: Iterable[str]) -> Noise | None:
+        """How steady the machine was when the pictures of these keys were timed: of the last run that timed some of
+        them, or of the last one on a loaded machine. None where no run has told."""
+        runs = {
+            row[0]
+            for key in keys
+            for row in self._database.execute("SELECT run FROM job WHERE key = ? AND status = 'done'", (key,))
+        }
+        found: list[Noise] = []
+        for run in sorted(runs):
+            (text,) = self._database.execute("SELECT noise FROM run WHERE id = ?", (run,)).fetchone()
+            if text is not None:
+                found.append(Noise(**json.loads(text)))
+        return next((each for each in reversed(found) if each.loaded), found[-1] if found else None)
 
     def put_probe(self, key: str, probe: Probe) -> None:
         """Keeps the figures of a probe. One without figures is not kept, so it is tried again."""
@@ -187,9 +236,10 @@ def _outcome(row: sqlite3.Row, metrics: Mapping[str, float | None]) -> Outcome:
         cpu_seconds=row["cpu_seconds"],
         wall_seconds=row["wall_seconds"],
         repeats=row["repeats"],
+        instructions=row["instructions"],
     )
     return Outcome(
-        job=Job(**{name: row[name] for name in names}),
+        job=Job(**{name: row[name] for name in names}, shift=(row["shift_right"], row["shift_down"])),
         status=row["status"],
         message=row["message"],
         cost=cost,

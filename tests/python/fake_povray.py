@@ -33,15 +33,11 @@ def leaving(picture: Path) -> str:
 
 
 def leaving_frames(picture: Path, count: int, missing: int = 0, padding: int = 0) -> str:
-    """Commands that do the same for so many frames, or those of them that +SF and +EF choose, but for the picture of
-    one, and print more bytes a frame."""
+    """Commands that do the same for so many frames, but for the picture of one, and print more bytes a frame."""
     source, text = shlex.quote(str(picture)), shlex.quote(STATISTICS)
     copy = f"cp {source} $(printf 'frame%0{len(str(count))}d.png' $i)"
     body = f"[ $i = {missing} ] || {copy}; printf '%s%{padding}s\\n' {text} ' ' >&2"
-    options = "case $word in +SF*) i=${word#+SF};; +EF*) last=${word#+EF};; esac"
-    return (
-        f'i=1; last={count}; for word in "$@"; do {options}; done; while [ $i -le $last ]; do {body}; i=$((i+1)); done'
-    )
+    return f"i=1; while [ $i -le {count} ]; do {body}; i=$((i+1)); done"
 
 
 def write_png(path: Path, width: int, height: int, channels: int = 3) -> Path:

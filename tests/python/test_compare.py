@@ -20,13 +20,15 @@ import numpy as np
 import pytest
 from commands import COMMAND, complaint, environment, run
 
-from aliascope import places, plan, renderers
+from aliascope import draws, places, plan, renderers
 from aliascope.image import read_header, write_exr
 from aliascope.studies import selection
 
 QUICK = ("-m", "uniform:n=1", "-m", "none", "-m", "msaa:n=4")
-"""One cheap mode of each renderer: of the tracer a picture a seed, "none" of POV-Ray and OSMesa, and "msaa"."""
+"""One cheap mode of each renderer: of the tracer a picture a seed; "none" of POV-Ray and OSMesa, and "msaa", one for
+each place of the film."""
 SEEDS = plan.SEEDS["quick"]
+PLACES = min(SEEDS, draws.MOST)
 
 
 @pytest.fixture(autouse=True)
@@ -52,7 +54,7 @@ def compare(folder: Path, *arguments: str, code: int = 0, **options: Any) -> dic
 
 def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
     first = compare(tmp_path, "edge", "discs", *QUICK)
-    pictures = 2 * (SEEDS + 3)
+    pictures = 2 * (SEEDS + 3 * PLACES)
     assert (first["rendered"], first["reused"], first["failed"]) == (pictures, 0, 0)
     assert {(row["renderer"], row["mode"]) for row in first["rows"]} == {
         ("embree", "uniform:n=1"),
@@ -66,12 +68,21 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
     assert second["rows"] == first["rows"]
 
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        assert database.execute("PRAGMA user_version").fetchone() == (3,)
+        assert database.execute("PRAGMA user_version").fetchone() == (4,)
         revision, machine, versions = database.execute("SELECT revision, machine, versions FROM run").fetchone()
-        rows = database.execute("SELECT image, seed, cpu_seconds, samples FROM job").fetchall()
+        rows = database.execute("SELECT image, seed, cpu_seconds, samples FROM job WHERE shift_right = 0").fetchall()
+        moved = database.execute("SELECT image, shift_right, shift_down FROM job WHERE shift_right != 0").fetchall()
+        (noise,) = database.execute("SELECT noise FROM run WHERE id = 1").fetchone()
     assert revision == places.revision()
     assert json.loads(machine) == places.machine()
     assert {"embree", "povray", "osmesa"} <= set(json.loads(versions))
+    assert {(right, down) for _, right, down in moved} == {draws.shift_of(draw) for draw in range(1, PLACES)}
+    for path, right, down in moved:
+        header = read_header(tmp_path / path)
+        assert header["shift"] == f"{right},{down}"
+        assert f"--shift {right},{down}" in header["command"]
+    assert first["noise"] == second["noise"] == json.loads(noise)
+    assert first["noise"]["told"] in run("compare", "edge", "discs", *QUICK, "-o", tmp_path).stdout
     for path, seed, cpu_seconds, samples in rows:
         header = read_header(tmp_path / path)
         assert header["seed"] == str(seed)
@@ -129,11 +140,14 @@ def test_times_of_jobs_side_by_side_do_not_pass_for_those_of_jobs_alone(tmp_path
     # A folder of the schema without that column is brought up to date; its pictures count as timed alone.
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
         database.execute("ALTER TABLE job DROP COLUMN processes")
+        for column in ("shift_right", "shift_down", "instructions"):
+            database.execute(f"ALTER TABLE job DROP COLUMN {column}")
+        database.execute("ALTER TABLE run DROP COLUMN noise")
         database.execute("DROP TABLE probe")
         database.execute("PRAGMA user_version = 1")
     assert compare(tmp_path, *modes)["reused"] == SEEDS
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        assert database.execute("PRAGMA user_version").fetchone() == (3,)
+        assert database.execute("PRAGMA user_version").fetchone() == (4,)
         assert database.execute("SELECT DISTINCT processes FROM job").fetchall() == [(1,)]
 
 
@@ -146,7 +160,7 @@ def test_dry_run_and_choices(tmp_path: Path) -> None:
     assert {job["scene"] for job in jobs("e*", "-r", "osmesa")} == {"edge"}
     assert {job["renderer"] for job in jobs("-r", "osmesa")} == {"osmesa"}
     assert {job["mode"] for job in jobs("edge", "-m", "am2*")} == {"am2", "am2:depth=4"}
-    assert len(jobs("edge", "-m", "regular:n=9")) == 1
+    assert len(jobs("edge", "-m", "regular:n=9")) == PLACES
     for pattern, expected in (
         (
             "uniform:n=16*",
@@ -199,7 +213,7 @@ def test_a_renderer_that_is_absent_is_skipped_and_said_or_demanded(tmp_path: Pat
     figures = {path.name: path.stat().st_size for path in (tmp_path / "out" / "plots").glob("*.svg")}
     assert set(figures) == {"edge.svg", "edge-spectrum.svg", "filters.svg"}
     assert min(figures.values()) > 5_000
-    assert document["rendered"] == SEEDS + 2
+    assert document["rendered"] == SEEDS + 2 * PLACES
     text = run("compare", "edge", *QUICK, "-o", tmp_path / "out", env=nowhere).stdout
     assert "skipped povray: " in text
     assert "not installed" in complaint("compare", "edge", "-r", "povray", "-o", tmp_path / "o", code=3, env=nowhere)
@@ -223,7 +237,7 @@ def test_jobs_that_fail_stop_no_other(tmp_path: Path) -> None:
     modes = ("-m", "uniform:n=1", "-m", "msaa:n=4", *(word for mode in TROUBLE for word in ("-m", mode)))
     arguments = ("edge", *modes, "--time-limit", "2")
     document = compare(tmp_path / "out", *arguments, code=4, env=path)
-    assert (document["pictures"], document["failed"]) == (SEEDS + 1, len(TROUBLE))
+    assert (document["pictures"], document["failed"]) == (SEEDS + PLACES, PLACES * len(TROUBLE))
     report = (tmp_path / "out" / "report.html").read_text()
     failures = {failure["mode"]: failure for failure in document["failures"]}
     for mode, (_, words) in TROUBLE.items():
@@ -238,7 +252,7 @@ def test_jobs_that_fail_stop_no_other(tmp_path: Path) -> None:
     assert set(probes[1:]) == {("embree", True, ""), ("osmesa", True, "")}
     # What failed is tried again, and only that.
     again = compare(tmp_path / "out", *arguments, code=4, env=path)
-    assert (again["reused"], again["failed"]) == (SEEDS + 1, len(TROUBLE))
+    assert (again["reused"], again["failed"]) == (SEEDS + PLACES, PLACES * len(TROUBLE))
 
 
 def test_a_probe_that_hangs_stops_nothing(tmp_path: Path) -> None:
@@ -248,7 +262,7 @@ def test_a_probe_that_hangs_stops_nothing(tmp_path: Path) -> None:
     path = environment(fake_povray.install(tmp_path / "bin", body))
     arguments = ("edge", "-r", "povray", "-m", "none", "--time-limit", "6", "--size", "32x24")
     document = compare(tmp_path / "out", *arguments, env=path)
-    assert (document["pictures"], document["failed"]) == (1, 0)
+    assert (document["pictures"], document["failed"]) == (PLACES, 0)
     (probe,) = document["probes"]
     assert probe["reason"] == "its probe failed: povray had not ended after 6 s, its time limit, and was killed"
     assert probe["reason"] in (tmp_path / "out" / "report.html").read_text()
@@ -263,7 +277,7 @@ def test_a_probe_that_hangs_stops_nothing(tmp_path: Path) -> None:
 
 def test_a_scene_that_nothing_draws_is_told_beside_those_that_are_drawn(tmp_path: Path) -> None:
     arguments = ("edge", "terrain", "-r", "osmesa", "-m", "none", "--size", "32x24")
-    assert compare(tmp_path, *arguments)["rendered"] == 1
+    assert compare(tmp_path, *arguments)["rendered"] == PLACES
     assert "100352 triangles and 1 light" in (tmp_path / "report.html").read_text()
     rows = [line for line in (tmp_path / "results.csv").read_text().splitlines() if line.startswith("terrain,")]
     assert len(rows) == 1
@@ -343,7 +357,7 @@ def test_a_compare_that_was_stopped_keeps_what_it_has_and_goes_on(tmp_path: Path
     assert document["reused"] == had >= 5
     embree = renderers.find("embree")
     seeded = [embree.seeded(renderers.mode_of(embree, mode)) for mode in modes]
-    assert document["rendered"] == sum(SEEDS if each else 1 for each in seeded) - had
+    assert document["rendered"] == sum(SEEDS if each else PLACES for each in seeded) - had
     assert not list(tmp_path.glob("images/**/.*"))
 
 
@@ -408,4 +422,16 @@ def test_a_scene_that_nothing_draws(tmp_path: Path) -> None:
         ("lit", "osmesa", "none"),
     }
     assert all("diffuse bounces" in cell["reason"] for cell in cells)
-    assert "1 picture\n" in run("compare", "edge", "-r", "osmesa", "-m", "none", "--dry-run").stdout
+    assert f"{PLACES} pictures\n" in run("compare", "edge", "-r", "osmesa", "-m", "none", "--dry-run").stdout
+
+
+def test_one_draw_says_that_its_uncertainty_is_not_known(tmp_path: Path) -> None:
+    """Of a scene that no exact method draws, a mode without seeds has one picture."""
+    scene = tmp_path / "mine.toml"
+    scene.write_text((places.SCENES / "edge.toml").read_text())
+    modes = ("-m", "uniform:n=1,filter=tent,sampler=regular", "-m", "uniform:n=1,filter=tent", "-m", "none")
+    document = compare(tmp_path / "out", str(scene), *modes, "--size", "8x6")
+    told = [(row["uncertainty"], row["standard_errors"]["rmse"]) for row in document["rows"]]
+    assert [uncertainty for uncertainty, _ in told].count(f"over {PLACES} places of the film") == 2
+    assert [uncertainty for uncertainty, _ in told].count(f"over {SEEDS} seeds") == 1
+    assert [error for uncertainty, error in told if uncertainty == "not known: one picture"] == [None]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 import aliascope
-from aliascope import jobs, pipeline, renderers, scene_io, workers
+from aliascope import draws, jobs, pipeline, renderers, scene_io, workers
+from aliascope.calibration import Beat, Effort
 from aliascope.errors import JobFailed
 from aliascope.metrics.base import Measured
 from aliascope.pipeline import Timed
@@ -23,8 +24,9 @@ from aliascope.renderers.base import Request
 from aliascope.store import Store
 
 PACKAGE = Path(aliascope.__file__).parent
-HARMLESS = {"errors.py", "records.py"}
-"""Imported by renderers, and free of anything that could change a picture: messages and frozen types."""
+HARMLESS = {"errors.py", "records.py", "draws.py", "places.py"}
+"""Imported by renderers, and free of anything that could change a picture: messages, frozen types, how far a film may
+be moved, and where files lie."""
 
 
 def imported(path: Path) -> set[Path]:
@@ -71,7 +73,7 @@ def test_pictures_do_not_depend_on_the_code_of_another_renderer() -> None:
     assert {"embree.py", "tracer.py", "libaliascope-tracer.so", "libaliascope.so"} <= embree
     assert not embree & {"osmesa.py", "raster.py", "libaliascope-raster.so", "povray.py", "povray_sdl.py"}
     assert {"povray.py", "povray_sdl.py"} <= povray
-    assert not [name for name in povray if name.endswith(".so")]
+    assert {name for name in povray if name.endswith(".so")} == {"libaliascope-waits.so"}
     assert {"osmesa.py", "raster.py", "libaliascope-raster.so"} <= osmesa
     assert not osmesa & {"libaliascope.so", "libaliascope-tracer.so", "tracer.py"}
     assert "libaliascope.so" in names("osmesa", "accumulate") & names("povray", "accumulate")
@@ -81,63 +83,81 @@ def test_pictures_do_not_depend_on_the_code_of_another_renderer() -> None:
 
 
 class Slow:
-    """Workers whose tasks are not done when they are asked first, and what ran beside what."""
+    """Workers whose tasks are done when their results are asked for, and what they were given."""
 
     def __init__(self) -> None:
-        self.abreast: list[tuple[str, float, int]] = []
-        """Of each job as it begins: renderer, least seconds, how many run with it."""
+        self.begun: list[tuple[str, float]] = []
+        """In order: the renderer of a job or the name of another task, and how many tasks ran with it."""
+        self.least: set[float] = set()
         self.running: list[object] = []
 
-    def begin(self, task: object, arguments: Sequence[Any], time_limit: float) -> Running:
-        _, job, options = arguments
-        begun = Running(self)
-        self.abreast.append((job.renderer, options.least_seconds, len(self.running)))
-        return begun
+    def begin(self, task: Callable[..., Any], arguments: Sequence[Any], time_limit: float) -> Running:
+        name = task.__name__
+        if name == "render_job":
+            name = arguments[1].renderer
+            self.least.add(arguments[2].least_seconds)
+        self.begun.append((name, len(self.running)))
+        return Running(self, name, task, arguments)
 
 
 class Running:
-    def __init__(self, among: Slow) -> None:
-        self.asked, self.among = 0, among
+    def __init__(self, among: Slow, name: str, task: Callable[..., Any], arguments: Sequence[Any]) -> None:
+        self.among, self.name, self.task, self.arguments = among, name, task, arguments
         among.running.append(self)
 
-    def done(self) -> bool:
-        self.asked += 1
-        return self.asked > 1
-
-    def result(self) -> Timed:
+    def result(self) -> Any:
         self.among.running.remove(self)
+        if self.name == "beat":
+            return Beat(0.02, 0.02)
+        if self.name == "measure_pictures":
+            return self.task(*self.arguments)
         cost = Cost(samples=1, samples_per_pixel=1.0, rays={}, cpu_seconds=0.0, wall_seconds=0.0, repeats=1)
-        return Timed(Rendering(np.zeros((9, 12, 3), np.float32), cost), 0.0)
+        return Timed(Rendering(np.zeros((9, 12, 3), np.float32), cost), Effort(0.0, 0.0, 1, 0.0))
 
 
-def test_timed_jobs_run_alone_those_that_idle_side_by_side_and_nothing_is_measured_beside_the_first(
+def test_timed_jobs_run_alone_in_one_order_by_chance_and_are_measured_after_all_of_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    file, slow = scene_io.load("edge"), Slow()
+    file, timing, measuring = scene_io.load("edge"), Slow(), Slow()
     beside: list[int] = []
+    monkeypatch.setattr(pipeline, "MEASURED_HERE", 0)
     monkeypatch.setattr(pipeline.metrics, "METRICS", {"rmse": None})
     monkeypatch.setattr(
-        pipeline.metrics, "measure", lambda *_: beside.append(len(slow.running)) or {"rmse": Measured(0.0)}
+        pipeline.metrics, "measure", lambda *_: beside.append(len(timing.running)) or {"rmse": Measured(0.5)}
     )
     modes = {"povray": [f"regular:n={side * side}" for side in range(2, 8)], "embree": ["uniform:n=1,sampler=random"]}
     plan = jobs.make_plan([file], modes, seeds=4, size=(12, 9))
+    assert len(plan.jobs) == 6 * draws.MOST + 4
     with Store(tmp_path / "results.sqlite") as store:
         store.begin_run("", "", "", {}, {})
-        judged = {("edge", "box"): np.zeros((9, 12, 3), np.float32)}
+        judged = {jobs.judged_by(job): np.zeros((9, 12, 3), np.float32) for job in plan.jobs}
+        assert set(judged) == {("edge", "box", draws.shift_of(draw)) for draw in range(draws.MOST)}
         options = pipeline.Options(least_seconds=0.2)
         outcomes, reused = pipeline.execute(
-            plan, tmp_path, store, judged, options, lambda *_: None, cast(workers.Workers, slow)
+            plan,
+            tmp_path,
+            store,
+            judged,
+            options,
+            lambda *_: None,
+            cast(workers.Workers, timing),
+            cast(workers.Workers, measuring),
         )
-        kept = store.done(outcomes)
+        kept, noise = store.done(outcomes), store.noise(outcomes)
     assert reused == 0
-    assert {name: [at for each, _, at in slow.abreast if each == name] for name in modes} == {
-        "embree": [1, 1, 1, 1],
-        "povray": [1, 2, 3, 4, 4, 4],
-    }
-    assert {(name, seconds) for name, seconds, _ in slow.abreast} == {("embree", 0.05), ("povray", 0.2)}
-    assert len(beside) == len(plan.jobs) == len(kept)
-    assert beside[:2] == [4, 4]  # those of Embree, while POV-Ray's are on their way
-    assert all(set(outcome.metrics) == {"rmse"} for outcome in kept.values())
+    assert {at for _, at in timing.begun} == {0}
+    rendered = [name for name, _ in timing.begun if name != "beat"]
+    assert rendered == [job.renderer for job in sorted(plan.jobs, key=lambda job: job.key)]
+    assert timing.least == {0.2}
+    # The fixed job comes first, after every ten, and last.
+    assert [number for number, (name, _) in enumerate(timing.begun) if name == "beat"] == [0, 11, 22, 25]
+    assert noise is not None
+    assert (noise.runs, noise.seconds, noise.spread, noise.loaded) == (4, 0.02, 0.0, False)
+    assert beside == [0] * len(plan.jobs)
+    assert len(measuring.begun) == draws.MOST
+    assert len(kept) == len(plan.jobs)
+    assert all(outcome.metrics == {"rmse": 0.5} for outcome in kept.values())
+    assert {outcome.job for outcome in kept.values()} == set(plan.jobs)
 
 
 def test_worker_processes_that_do_not_start_are_a_failed_job() -> None:

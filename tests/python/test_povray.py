@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,9 @@ from povray_scenes import PLAIN, Array, mode, pixel_rays, render, render_all, sc
 from aliascope.errors import SpecError, Unsupported
 from aliascope.geometry import frame_of
 from aliascope.model import Scene
-from aliascope.renderers import povray
+from aliascope.renderers import povray, povray_process
 from aliascope.renderers.base import Request, lacks
-from aliascope.renderers.povray import MOST_FRAMES, RENDERER
+from aliascope.renderers.povray import RENDERER
 from aliascope.renderers.povray_limits import FARTHEST, NEAREST
 
 QUANTUM = 1.0 / 65535.0
@@ -195,8 +196,9 @@ def test_samples_are_all_rays_from_the_camera() -> None:
 def test_a_short_picture_is_timed_over_several_frames() -> None:
     once, timed = render(RING, "none"), render(RING, "none", least_seconds=0.1)
     assert once.cost.repeats == 1
-    assert timed.cost.repeats == 1 + MOST_FRAMES  # 768 pixels take a millisecond
-    assert 0.0 <= timed.cost.cpu_seconds < 0.1
+    # 768 pixels take a millisecond; how many make 0.1 s is told from the first, which a busy machine may slow down.
+    assert timed.cost.repeats > 5
+    assert 0.0 < timed.cost.cpu_seconds < 0.1
     np.testing.assert_array_equal(once.pixels, timed.pixels)
 
 
@@ -295,3 +297,16 @@ def test_features_it_does_not_draw_are_named() -> None:
     assert "sphere light" in (lacks(RENDERER, lit, mode("none")) or "")
     with pytest.raises(Unsupported, match="sphere light"):
         render(lit, "none")
+
+
+def test_short_waits_change_no_bit_and_cpu_times_are_fine(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Without the library povray cuts its times off at whole milliseconds, and sleeps ten times as long as it works."""
+    scene = RING
+    with_it = render(scene, "am1:depth=3", least_seconds=0.02)
+    monkeypatch.setattr(povray_process, "SHORT_WAITS", tmp_path / "none")
+    without = render(scene, "am1:depth=3")
+    np.testing.assert_array_equal(with_it.pixels, without.pixels)
+    assert with_it.cost.samples == without.cost.samples
+    assert without.cost.cpu_seconds * 1000.0 % 1.0 == pytest.approx(0.0, abs=1e-9)
+    # Of one picture: its own time, but for what was cut off and the noise of a busy machine.
+    assert 0.0 < with_it.cost.cpu_seconds < 10.0 * (without.cost.cpu_seconds + 0.001)

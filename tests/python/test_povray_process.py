@@ -18,7 +18,7 @@ from povray_scenes import PLAIN, render
 from aliascope.errors import AliascopeError, JobFailed, NotAvailable
 from aliascope.renderers import povray_process
 from aliascope.renderers.povray import RENDERER
-from aliascope.renderers.povray_process import KEPT_BYTES, run, run_all
+from aliascope.renderers.povray_process import KEPT_BYTES, run
 
 
 @pytest.fixture
@@ -114,30 +114,6 @@ def test_a_child_that_stays_behind_holds_nothing_up(fake: Any, tmp_path: Path) -
     assert render(PLAIN, "none", time_limit=20.0).cost.samples == 64
     assert time.monotonic() - start < 10.0  # seconds; it takes 0.01, and waiting for the child would take 60
     assert all(fake_povray.ends(pid) for pid in fake_povray.recorded(tmp_path / "record"))
-
-
-def test_of_many_runs_one_that_fails_ends_all(fake: Any, tmp_path: Path) -> None:
-    record = f"echo $$ > {tmp_path}/$1.part; mv {tmp_path}/$1.part {tmp_path}/$1"
-    fake(f'{record}; [ $1 != b ] || {{ sleep 0.3; echo "no scene"; exit 1; }}; exec sleep 60')
-    path = str(tmp_path / "bin" / "povray")
-    start = time.monotonic()
-    with pytest.raises(JobFailed, match="status 1: no scene"):
-        run_all(path, [["a"], ["b"], ["c"]], tmp_path, 20.0)
-    assert time.monotonic() - start < 10.0  # seconds; it takes 0.3, and the others would take 60
-    with pytest.raises(JobFailed, match="had not ended after"):
-        run_all(path, [["d"], ["e"]], tmp_path, 0.5)
-    for name in "abcde":
-        assert all(fake_povray.ends(pid) for pid in fake_povray.recorded(tmp_path / name))
-
-
-def test_many_runs_are_read_at_once_and_their_output_told_apart(fake: Any, tmp_path: Path) -> None:
-    """Each prints more than its pipe holds, a moment after the first has begun to wait for the others."""
-    fake(
-        'sleep 0.2; head -c 150000 /dev/zero | tr "\\0" "$1"; touch "$1"; '
-        "until [ -e x ] && [ -e y ]; do sleep 0.01; done"
-    )
-    first, second = run_all(str(tmp_path / "bin" / "povray"), [["x"], ["y"]], tmp_path, 20.0)
-    assert (first, second) == ("x" * 150_000, "y" * 150_000)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells a child of its parent's death")

@@ -271,10 +271,9 @@ def test_the_command_moves_the_picture_and_its_file_says_so(tmp_path: Path) -> N
     header = read_header(tmp_path / "moved.exr")
     assert header["shift"] == "-0.25,0.4"
     assert "--shift -0.25,0.4" in header["command"]
-    assert "key" not in header
     run(*render, tmp_path / "still.exr")
     still = read_header(tmp_path / "still.exr")
-    assert "key" in still
+    assert len({header["key"], still["key"]}) == 2
     assert "shift" not in still
     assert "--shift" not in still["command"]
     assert "--shift" in run("render", "--help").stdout

@@ -9,7 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
-from aliascope.cli.shared import Json, Size, app, print_json, size_of
+from aliascope.cli.shared import Json, Size, app, print_json, say_notes, size_of
+from aliascope.draws import UNMOVED, text_of
 from aliascope.errors import InvalidInput
 from aliascope.native.samplers import ARRANGEMENTS
 
@@ -17,13 +18,15 @@ from aliascope.native.samplers import ARRANGEMENTS
 @app.command(epilog="Example: aliascope compare edge discs -r embree -r povray --profile quick -o results")
 def compare(
     scenes: Annotated[
-        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, TOML files.")
+        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, files (TOML, glTF).")
     ] = None,
     renderer: Annotated[list[str] | None, typer.Option("-r", help="Renderer; may stand several times.")] = None,
     mode: Annotated[
         list[str] | None, typer.Option("-m", help="Mode, or a pattern of the profile's; may stand several times.")
     ] = None,
-    profile: Annotated[str, typer.Option(help="quick or full.")] = "quick",
+    profile: Annotated[
+        str, typer.Option(help="quick (3 seeds, or 3 places of the film for modes without) or full (16 seeds).")
+    ] = "quick",
     out: Annotated[Path, typer.Option("-o", metavar="DIR")] = Path("aliascope-results"),
     processes: Annotated[
         int, typer.Option("-j", min=1, max=64, help="Jobs side by side; more than 1 inflates their times.")
@@ -40,12 +43,13 @@ def compare(
 ) -> None:
     """Render scenes with all renderers and modes, measure them, and write a report.
 
-    Pictures that the folder already has are not rendered again.
+    Each picture is a timed run of its own, one at a time. Pictures that the folder already has are not rendered again.
     """
     from aliascope.studies import selection
 
     if resume and not (out / "results.sqlite").is_file():
         raise InvalidInput(f"{out}: has no results to resume; leave --resume out to begin")
+    say_notes(scenes or [])
     plan = selection.plan_of(scenes or [], renderer or [], mode or [], profile, size_of(size), dimensions or [])
     if dry_run:
         _dry_run(plan, as_json)
@@ -72,7 +76,7 @@ def compare(
 @app.command(epilog="Example: aliascope agree spheres edge -r embree -r povray -o agreement")
 def agree(
     scenes: Annotated[
-        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, TOML files.")
+        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, files (TOML, glTF).")
     ] = None,
     renderer: Annotated[list[str] | None, typer.Option("-r", help="Renderer; may stand several times.")] = None,
     size: Annotated[str, typer.Option("--size", metavar="WxH", help="Pixels of the pictures.")] = "64x48",
@@ -82,7 +86,7 @@ def agree(
     ] = 32,
     replicates: Annotated[int, typer.Option(min=4, max=1024, help="Pictures of each renderer, other seeds each.")] = 16,
     seed: Annotated[int, typer.Option(min=0, max=2**19, help="Of the random numbers.")] = 0,
-    processes: Annotated[int, typer.Option("-j", min=1, max=64, help="Pictures side by side; POV-Ray's wait.")] = 8,
+    processes: Annotated[int, typer.Option("-j", min=1, max=64, help="Pictures side by side.")] = 8,
     time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that one picture may take.")] = 600.0,
     out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="report.html and results.json there.")] = None,
     as_json: Json = False,
@@ -96,6 +100,7 @@ def agree(
     from aliascope.studies import agree_text
     from aliascope.studies.progress import progress_bar
 
+    say_notes(scenes or [])
     pixels = size_of(size)
     assert pixels is not None
     asked = study.Asked(
@@ -123,7 +128,8 @@ def _dry_run(plan: Any, as_json: bool) -> None:
     from aliascope.studies import compare as study
 
     if as_json:
-        jobs = [{"scene": j.scene, "renderer": j.renderer, "mode": j.mode, "seed": j.seed} for j in plan.jobs]
+        shown = ("scene", "renderer", "mode", "seed", "shift")
+        jobs = [{name: getattr(job, name) for name in shown} for job in plan.jobs]
         print_json({"jobs": jobs, "skipped": dict(plan.skipped), "empty": study.empty_cells(plan)})
     else:
         _dry_run_lines(plan)
@@ -133,8 +139,9 @@ def _dry_run(plan: Any, as_json: bool) -> None:
 def _dry_run_lines(plan: Any) -> None:
     from aliascope.studies import compare as study
 
-    for job in sorted(plan.jobs, key=lambda job: (job.scene, job.renderer, job.mode, job.seed)):
-        typer.echo(f"{job.scene}  {job.renderer}  {job.mode}  seed {job.seed}")
+    for job in sorted(plan.jobs, key=lambda job: (job.scene, job.renderer, job.mode, job.seed, job.shift)):
+        place = "" if job.shift == UNMOVED else f"  film moved by {text_of(job.shift)}"
+        typer.echo(f"{job.scene}  {job.renderer}  {job.mode}  seed {job.seed}{place}")
     typer.echo(study.counted(len(plan.jobs)))
     for name, reason in plan.skipped.items():
         typer.echo(f"skipped {name}: {reason}")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from aliascope.cli.shared import Json, app, print_json
+from aliascope.cli.shared import Json, app, print_json, say_notes
 from aliascope.errors import Interrupted, InvalidInput
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 @app.command(epilog="Example: aliascope regress edge siemens-star -r embree -r povray -o results")
 def regress(
     scenes: Annotated[
-        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, TOML files.")
+        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, files (TOML, glTF).")
     ] = None,
     renderer: Annotated[list[str] | None, typer.Option("-r", help="Renderer; may stand several times.")] = None,
     mode: Annotated[
@@ -42,7 +42,7 @@ def regress(
     junit: Annotated[Path | None, typer.Option(metavar="F.xml", help="For CI systems: JUnit's XML.")] = None,
     markdown: Annotated[Path | None, typer.Option(metavar="F.md", help="For reviews: the summary, here too.")] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Failures, controls and the summary alone.")] = False,
-    processes: Annotated[int, typer.Option("-j", min=1, max=64, help="Cells side by side; POV-Ray's wait.")] = 2,
+    processes: Annotated[int, typer.Option("-j", min=1, max=64, help="Cells side by side.")] = 2,
     time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that the pictures of one cell may take.")] = 120.0,
     as_json: Json = False,
 ) -> None:
@@ -55,6 +55,7 @@ def regress(
     from aliascope import places
     from aliascope.studies.regress import Asked
 
+    say_notes(scenes or [])
     asked = Asked(
         scenes=tuple(scenes or ()),
         renderers=tuple(renderer or ()),

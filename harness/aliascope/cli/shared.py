@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from aliascope.draws import UNMOVED, checked
 from aliascope.errors import InvalidInput
 
 app = typer.Typer(
@@ -66,16 +69,24 @@ def size_of(text: str | None) -> tuple[int, int] | None:
 
 
 def shift_of(text: str | None) -> tuple[float, float]:
-    """Pixels to the right and down; how many there may be, `Request` says."""
+    """Pixels to the right and down. Raises InvalidInput."""
     if text is None:
-        return 0.0, 0.0
-    right, comma, down = text.partition(",")
+        return UNMOVED
     try:
-        if comma:
-            return float(right), float(down)
+        right, down = (float(pixels) for pixels in text.split(","))
     except ValueError:
-        pass
-    raise InvalidInput(f'--shift "{text}" is not of the form RIGHT,DOWN, such as 0.25,-0.4')
+        raise InvalidInput(f'--shift "{text}" is not of the form RIGHT,DOWN, such as 0.25,-0.4') from None
+    return checked((right, down))
+
+
+def say_notes(scenes: Iterable[str]) -> None:
+    """Says on standard error what the files of other programs among these scenes have that is not drawn."""
+    from aliascope import scene_io
+
+    for path in (Path(scene) for scene in scenes if scene_io.is_path(scene)):
+        if path.suffix.lower() != ".toml":
+            for note in scene_io.load_file(path).notes:
+                typer.echo(f"{path}: {note}", err=True)
 
 
 def print_json(document: Any) -> None:

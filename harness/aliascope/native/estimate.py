@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from aliascope.errors import InvalidInput, Unsupported
+from aliascope.native import loading
 from aliascope.native.loading import check, error_box, keys, module, text
 from aliascope.native.samplers import Dimensions, Sampler
 
@@ -274,6 +275,11 @@ def canonical(spec: str) -> str:
     made, box = library.ffi.new("char[512]"), error_box(library.ffi)
     check(library, library.lib.asc_estimator_canonical(spec.encode(), made, 512, box), box)
     return text(library, made)
+
+
+def settings(spec: str) -> dict[str, str]:
+    """All keys of a canonical spec with their values, those left out too."""
+    return loading.settings(_library(), "estimator", spec)
 
 
 def refusal(

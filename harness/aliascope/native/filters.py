@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from aliascope.native import loading
 from aliascope.native.loading import check, error_box, keys, module, text
 
 
@@ -82,6 +83,11 @@ def made(spec: str) -> Filter:
 def canonical(spec: str) -> str:
     """The canonical form of a filter's spec: keys sorted, defaults left out."""
     return made(spec).spec
+
+
+def settings(spec: str) -> dict[str, str]:
+    """All keys of a canonical spec with their values, those left out too."""
+    return loading.settings(_library(), "filter", spec)
 
 
 def radius(spec: str) -> float:

@@ -52,10 +52,26 @@ def keys(compiled: Any, info: Any) -> tuple[str, ...]:
     """The keys of a spec, as lists show them: "key=values: help (default value)"."""
 
     def key(entry: Any) -> str:
-        values, fallback = f"{entry.minimum:g}..{entry.maximum:g}", f"{entry.fallback:g}"
-        if entry.choices:
-            values = text(compiled, entry.choices)
-            fallback = values.split("|")[int(entry.fallback)]
+        values = text(compiled, entry.choices) if entry.choices else f"{entry.minimum:g}..{entry.maximum:g}"
+        fallback = _fallback(compiled, entry)
         return f"{text(compiled, entry.name)}={values}: {text(compiled, entry.text)} (default {fallback})"
 
     return tuple(key(info.parameters[number]) for number in range(info.parameter_count))
+
+
+def settings(compiled: Any, kind: str, spec: str) -> dict[str, str]:
+    """All keys of a canonical spec of a "sampler", "filter" or "estimator" with their values, those left out too."""
+    name, _, tail = spec.partition(":")
+    given = dict(item.split("=", 1) for item in tail.split(",") if item)
+    for index in range(getattr(compiled.lib, f"asc_{kind}_count")()):
+        info = compiled.ffi.new(f"asc_{kind}_info *")
+        check(compiled, getattr(compiled.lib, f"asc_{kind}_describe")(index, info))
+        if text(compiled, info.name) == name:
+            entries = (info.parameters[number] for number in range(info.parameter_count))
+            return {text(compiled, entry.name): _fallback(compiled, entry) for entry in entries} | given
+    return given
+
+
+def _fallback(compiled: Any, entry: Any) -> str:
+    """The default of a key, as a spec states it."""
+    return text(compiled, entry.choices).split("|")[int(entry.fallback)] if entry.choices else f"{entry.fallback:g}"

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aliascope.errors import SpecError, Unsupported, near_misses
+from aliascope.native import loading
 from aliascope.native.loading import check, error_box, keys, module, text
 
 
@@ -106,6 +107,11 @@ def canonical(spec: str) -> str:
         return Sampler(spec).spec
     except Unsupported:  # a pattern of space and time, which has three dimensions alone; Cook's has 16 points alone
         return Sampler(spec, 16, 3).spec
+
+
+def settings(spec: str) -> dict[str, str]:
+    """All keys of a canonical spec with their values, those left out too."""
+    return loading.settings(_library(), "sampler", spec)
 
 
 def points(

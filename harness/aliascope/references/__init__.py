@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from aliascope.draws import UNMOVED, checked
 from aliascope.errors import Unsupported
 from aliascope.geometry import frame_of
 from aliascope.model import Scene
@@ -25,7 +26,7 @@ from aliascope.references import (
 from aliascope.references.converged import Plan
 from aliascope.references.result import Ambiguous, Method, Reference
 
-__all__ = ["METHODS", "Ambiguous", "Method", "Plan", "Reference", "make"]
+__all__ = ["METHODS", "Ambiguous", "Method", "Plan", "Reference", "make", "may_be_exact"]
 
 METHODS: tuple[Method, ...] = (
     polygons.METHOD,
@@ -39,24 +40,37 @@ METHODS: tuple[Method, ...] = (
 )
 
 
-def make(scene: Scene, size: tuple[int, int], filter_: str = "box", plan: Plan | None = None) -> Reference:
+def make(
+    scene: Scene,
+    size: tuple[int, int],
+    filter_: str = "box",
+    plan: Plan | None = None,
+    shift: tuple[float, float] = UNMOVED,
+) -> Reference:
     """The picture of a scene, each pixel the mean of the radiance under the filter: over its square, for the box.
 
-    size: (width, height) in pixels; filter_: a canonical spec. Exact where there is a method for it, else converged by
-    the plan. Raises Unsupported, with the reason, where no method has an exact answer and there is no plan, or the
-    tracer does not draw the scene; Ambiguous where no answer is right.
+    size: (width, height) in pixels; filter_: a canonical spec; shift: pixels to the right and down by which all that is
+    seen is moved on the film. Exact where there is a method for it, else converged by the plan. Raises Unsupported,
+    with the reason, where no method has an exact answer and there is no plan, or the tracer does not draw the scene;
+    Ambiguous where no answer is right; InvalidInput for a shift beyond `draws.LARGEST_SHIFT`.
     """
+    checked(shift)
     try:
-        return _exact(scene, size, filter_)
+        return _exact(scene, size, filter_, shift)
     except Ambiguous:
         raise
     except Unsupported:
         if plan is None:
             raise
-    return converged.make(scene, size, filter_, plan)
+    return converged.make(scene, size, filter_, plan, shift)
 
 
-def _exact(scene: Scene, size: tuple[int, int], filter_: str) -> Reference:
+def may_be_exact(scene: Scene, filter_: str) -> bool:
+    """Whether a method has an exact answer for the features of a scene. It may still refuse the scene itself."""
+    return filter_ == "box" and any(method.cannot(scene) is None for method in METHODS)
+
+
+def _exact(scene: Scene, size: tuple[int, int], filter_: str, shift: tuple[float, float]) -> Reference:
     if filter_ != "box":
         raise Unsupported(f'no exact method has an answer for the filter "{filter_}": they all have the box filter')
     reasons = [(method, method.cannot(scene)) for method in METHODS]
@@ -67,7 +81,7 @@ def _exact(scene: Scene, size: tuple[int, int], filter_: str) -> Reference:
     refusals: dict[str, None] = {}
     for method in able:
         try:
-            result = method.make(scene, frame_of(scene, size))
+            result = method.make(scene, frame_of(scene, size, shift))
             break
         except Ambiguous:
             raise

@@ -70,8 +70,9 @@ def board_of(plane: Plane, pattern: Checker, frame: Frame) -> Board:
         raise Ambiguous("the plane lies where the pattern changes along its normal: which colour it has is not certain")
     to_plane = float(plane.point[third] - frame.eye[third])
     # A ray through (x, y): direction = ahead (3 axes, 3 coefficients), the sides of the picture in units of `right`.
-    sideways = np.outer(frame.right, [frame.pixel, 0.0, -frame.pixel * frame.width / 2])
-    sideways += np.outer(frame.up, [0.0, -frame.pixel, frame.pixel * frame.height / 2])
+    middle = frame.middle
+    sideways = np.outer(frame.right, [frame.pixel, 0.0, -frame.pixel * middle[0]])
+    sideways += np.outer(frame.up, [0.0, -frame.pixel, frame.pixel * middle[1]])
     constant = np.array([0.0, 0.0, 1.0])
     if frame.perspective:
         ahead = sideways + np.outer(frame.forward, constant)
@@ -89,8 +90,8 @@ def board_of(plane: Plane, pattern: Checker, frame: Frame) -> Board:
     relative[third] = to_plane
     columns = np.column_stack([np.eye(3)[axes[0]] / pattern.scale, np.eye(3)[axes[1]] / pattern.scale, relative])
     w = frame.forward @ columns if frame.perspective else constant
-    x = frame.right @ columns / frame.pixel + w * frame.width / 2
-    y = -(frame.up @ columns) / frame.pixel + w * frame.height / 2
+    x = frame.right @ columns / frame.pixel + w * middle[0]
+    y = -(frame.up @ columns) / frame.pixel + w * middle[1]
     to_picture = np.array([x, y, w])
     return Board(
         eye=-pattern.scale * relative[axes],
@@ -139,7 +140,7 @@ def near_part(board: Board, frame: Frame, level: float) -> tuple[Array, Array]:
     drawn = shapely.transform(squares, lambda ab: _picture(board, ab))
     part = parts_coverage(drawn, frame.width, frame.height)
     whole = coverage(region, frame.width, frame.height)
-    moved = 8 * EPSILON * _terms(board, shapely.get_coordinates(squares)) + 32 * EPSILON * (frame.width + frame.height)
+    moved = 8 * EPSILON * _terms(board, shapely.get_coordinates(squares)) + 32 * EPSILON * sum(frame.spans)
     error = 2 * part.length * moved + 16 * EPSILON * (frame.width + len(drawn)) * (part.length > 0.0)
     return 2.0 * part.area - whole.area, error + moved * whole.length
 
@@ -296,7 +297,7 @@ def make(scene: Scene, frame: Frame) -> Exact:
     for colour, share in ((low, (whole.area + wave) / 2), (high, (whole.area - wave) / 2)):
         canvas.add(Coverage(np.clip(share, 0.0, 1.0), whole.length), colour, float(colour.max()))
     # Rounding of the view moves the horizon, and all with it, by this (px); the sides of a pixel are 4 long.
-    moved = 64 * EPSILON * (frame.width + frame.height)
+    moved = 64 * EPSILON * sum(frame.spans)
     error = float(np.max(near_error + far_error)) + remainder + 5 * moved
     return checked(canvas, np.array(scene.view.background), error)
 

@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from aliascope.agreement import Estimate
+from aliascope.draws import UNMOVED
 from aliascope.errors import Unsupported
 from aliascope.geometry import Array
 from aliascope.model import Scene
@@ -62,12 +63,17 @@ class Plan:
         }
 
 
-def renderer(scene: Scene, size: tuple[int, int], filter_: str, plan: Plan) -> Render:
-    """The tracer, made ready for a scene. Raises Unsupported for what it does not draw, NotAvailable."""
+def renderer(
+    scene: Scene, size: tuple[int, int], filter_: str, plan: Plan, shift: tuple[float, float] = UNMOVED
+) -> Render:
+    """The tracer, made ready for a scene, moved by `shift` pixels to the right and down on the film.
+
+    Raises Unsupported for what it does not draw, NotAvailable.
+    """
     lacking = sorted(scene.features() - tracer.DRAWS)
     if lacking:
         raise Unsupported(f"the scene has no reference: the tracer has no answer for {', '.join(lacking)}")
-    built = tracer.Tracer(scene, size)
+    built = tracer.Tracer(scene, size, shift)
     return lambda seed: built.render(plan.sampler, plan.samples, seed, plan.threads, filter_)[0]
 
 
@@ -115,9 +121,11 @@ def estimate(render: Render, plan: Plan) -> tuple[Estimate, Array]:
     return Estimate(mean, scatter / np.sqrt(plan.replicates), plan.replicates, samples), pictures
 
 
-def make(scene: Scene, size: tuple[int, int], filter_: str, plan: Plan) -> Reference:
+def make(
+    scene: Scene, size: tuple[int, int], filter_: str, plan: Plan, shift: tuple[float, float] = UNMOVED
+) -> Reference:
     """Raises Unsupported where the tracer does not draw the scene, NotAvailable."""
-    found, pictures = estimate(renderer(scene, size, filter_, plan), plan)
+    found, pictures = estimate(renderer(scene, size, filter_, plan, shift), plan)
     return Reference(
         pixels=found.mean.astype(np.float32),
         exact=found.mean,

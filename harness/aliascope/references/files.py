@@ -1,5 +1,6 @@
 """References on disk: `<scene>/<W>x<H>-<filter>.exr` below a folder, each with where it came from in its header.
 
+One of a picture that is moved on the film is `<W>x<H>-<filter>@<right>,<down>.exr`, its shift in pixels.
 A converged reference has its standard error beside it, in `<W>x<H>-<filter>.standard-error.exr`. Nothing is replaced or
 made in passing: a file that is missing, that was made for another version of its scene, or that was changed since, is
 an error that says what to do.
@@ -18,6 +19,7 @@ import shapely
 
 from aliascope import agreement
 from aliascope.agreement import Estimate
+from aliascope.draws import UNMOVED, text_of
 from aliascope.errors import CheckFailed, InvalidInput
 from aliascope.geometry import Array
 from aliascope.image import read_header, read_image, write_exr
@@ -27,6 +29,8 @@ from aliascope.references import converged, make
 from aliascope.references.converged import Plan
 from aliascope.references.result import Reference
 
+Shift = tuple[float, float]
+"""Pixels to the right and down by which all that is seen is moved on the film."""
 CHECK = Plan(samples=576, replicates=32, sampler="jittered", first_seed=1 << 41)
 """How a converged reference is checked: another pattern and other seeds, at an eighth of the cost."""
 PROVENANCE = ("samples_per_pixel", "replicates", "sampler", "seeds", "embree")
@@ -60,32 +64,47 @@ class Verification:
     error: float
 
 
-def path_of(folder: Path, name: str, size: tuple[int, int], filter_: str) -> Path:
+def path_of(folder: Path, name: str, size: tuple[int, int], filter_: str, shift: Shift = UNMOVED) -> Path:
     """Where the reference of a scene lies, whether it is there or not."""
-    return folder / name / f"{size[0]}x{size[1]}-{filter_}.exr"
+    moved = "" if shift == UNMOVED else f"@{text_of(shift)}"
+    return folder / name / f"{size[0]}x{size[1]}-{filter_}{moved}.exr"
 
 
-def command_for(name: str, scene: Scene, size: tuple[int, int], filter_: str, samples: str = "") -> str:
+def command_for(
+    name: str, scene: Scene, size: tuple[int, int], filter_: str, samples: str = "", shift: Shift = UNMOVED
+) -> str:
     """The command that makes a reference, `samples` in it where they are not the usual ones."""
     command = f"aliascope reference {name}"
     if size != scene.view.size:
         command += f" --size {size[0]}x{size[1]}"
     if filter_ != "box":
         command += f" --filter {filter_}"
+    if shift != UNMOVED:
+        command += f" --shift {text_of(shift)}"
     return f"{command} --samples {samples}" if samples not in ("", str(Plan.samples)) else command
 
 
-def save(folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: str, reference: Reference) -> Path:
+def save(
+    folder: Path,
+    name: str,
+    scene: Scene,
+    size: tuple[int, int],
+    filter_: str,
+    reference: Reference,
+    shift: Shift = UNMOVED,
+) -> Path:
     """Writes a reference and returns its path. Raises NotWritable."""
-    path = path_of(folder, name, size, filter_)
+    path = path_of(folder, name, size, filter_, shift)
+    samples = reference.provenance.get("samples_per_pixel", "")
     header = {
         "scene": name,
         "scene_hash": scene.digest(),
         "size": f"{size[0]}x{size[1]}",
         "filter": filter_,
+        **({} if shift == UNMOVED else {"shift": text_of(shift)}),
         "method": reference.method,
         "error": repr(reference.error),
-        "command": command_for(name, scene, size, filter_, reference.provenance.get("samples_per_pixel", "")),
+        "command": command_for(name, scene, size, filter_, samples, shift),
         "numpy": np.__version__,
         "scipy": scipy.__version__,
         "shapely": f"{shapely.__version__}, GEOS {shapely.geos_version_string}",
@@ -100,14 +119,16 @@ def save(folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: 
     return path
 
 
-def load(folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: str) -> Reference:
+def load(
+    folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: str, shift: Shift = UNMOVED
+) -> Reference:
     """The stored reference of a scene. Its `exact` is the stored float32, which its `error` allows for.
 
     Raises CheckFailed when it is missing, was made for another version of the scene, or was changed since.
     """
-    path = path_of(folder, name, size, filter_)
-    pixels, header = _read(path, name, scene, size, filter_)
-    advice = f"make it again with: {command_for(name, scene, size, filter_)}"
+    path = path_of(folder, name, size, filter_, shift)
+    pixels, header = _read(path, name, scene, size, filter_, shift)
+    advice = f"make it again with: {command_for(name, scene, size, filter_, shift=shift)}"
     error = _recorded_error(header)
     if not np.isfinite(pixels).all():
         raise CheckFailed(f"{path}: the reference has values that are not finite; {advice}")
@@ -126,17 +147,24 @@ def load(folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: 
 
 
 def verify(
-    folder: Path, name: str, scene: Scene, size: tuple[int, int], filter_: str, check: Plan = CHECK
+    folder: Path,
+    name: str,
+    scene: Scene,
+    size: tuple[int, int],
+    filter_: str,
+    check: Plan = CHECK,
+    shift: Shift = UNMOVED,
 ) -> Verification:
     """Makes a reference again and compares, a converged one by `check`. What differs is in the result, never raised.
 
     Raises CheckFailed when there is nothing to compare: the file is missing, or of another version of the scene.
     """
-    path = path_of(folder, name, size, filter_)
-    stored, header = _read(path, name, scene, size, filter_)
+    path = path_of(folder, name, size, filter_, shift)
+    stored, header = _read(path, name, scene, size, filter_, shift)
     if "standard_error" in header:
-        return _verify_converged(path, (stored, header), scene, size, filter_, check)
-    again = make(scene, size, filter_)
+        drawn = converged.renderer(scene, size, filter_, check, shift)
+        return _verify_converged(path, (stored, header), drawn, filter_, check)
+    again = make(scene, size, filter_, shift=shift)
     recorded = _recorded_error(header)
     error = again.error + (recorded if recorded is not None else 0.0)
     difference = np.abs(stored.astype(np.float64) - again.exact)
@@ -168,12 +196,12 @@ def verify(
 
 
 def _verify_converged(
-    path: Path, file: tuple[Pixels, Mapping[str, str]], scene: Scene, size: tuple[int, int], filter_: str, check: Plan
+    path: Path, file: tuple[Pixels, Mapping[str, str]], drawn: converged.Render, filter_: str, check: Plan
 ) -> Verification:
     stored, header = file
     spread = _read_spread(path, header, stored, "make it again")
     assert spread is not None  # the header says so
-    again, pictures = converged.estimate(converged.renderer(scene, size, filter_, check), check)
+    again, pictures = converged.estimate(drawn, check)
     factor = 1.0 if filter_ == "box" else agreement.correlation(pictures)
     error = converged.ROUNDING * float(np.abs(pictures).max())
     counts = [header.get(key, "") for key in ("replicates", "samples_per_pixel")]
@@ -203,11 +231,15 @@ def _verify_converged(
     )
 
 
-def _read(path: Path, name: str, scene: Scene, size: tuple[int, int], filter_: str) -> tuple[Pixels, Mapping[str, str]]:
-    """The pixels and the header of a stored reference of this very scene, size and filter."""
-    command = command_for(name, scene, size, filter_)
+def _read(
+    path: Path, name: str, scene: Scene, size: tuple[int, int], filter_: str, shift: Shift
+) -> tuple[Pixels, Mapping[str, str]]:
+    """The pixels and the header of a stored reference of this very scene, size, filter and shift."""
+    command = command_for(name, scene, size, filter_, shift=shift)
     if not path.is_file():
         what = f"{name} at {size[0]}x{size[1]} with the filter {filter_}"
+        if shift != UNMOVED:
+            what += f", shifted by {text_of(shift)} pixels"
         raise CheckFailed(f"no reference for {what} ({path}): make it with: {command}")
     try:
         header, pixels = read_header(path), read_image(path)
@@ -221,6 +253,9 @@ def _read(path: Path, name: str, scene: Scene, size: tuple[int, int], filter_: s
             f"{path}: holds {pixels.shape[1]} x {pixels.shape[0]} pixels of {pixels.shape[2]} channels and says "
             f"{stated[0]}, filter {stated[1]}; make it again with: {command}"
         )
+    moved, wanted = header.get("shift", text_of(UNMOVED)), text_of(shift)
+    if moved != wanted:
+        raise CheckFailed(f"{path}: is shifted by {moved} pixels, not {wanted}; make it again with: {command}")
     return pixels, header
 
 

@@ -46,8 +46,9 @@ class Receiver:
 
     def places(self, frame: Frame, picture: Array) -> Array:
         """The points (..., 3) of the plane that are seen at places (..., 2) on the picture, in pixels."""
-        u = (picture[..., :1] - frame.width / 2) * frame.pixel * frame.right
-        v = (frame.height / 2 - picture[..., 1:]) * frame.pixel * frame.up
+        middle = frame.middle
+        u = (picture[..., :1] - middle[0]) * frame.pixel * frame.right
+        v = (middle[1] - picture[..., 1:]) * frame.pixel * frame.up
         if frame.perspective:
             direction = frame.forward + u + v
             distance = (self.point - frame.eye) @ self.normal / (direction @ self.normal)

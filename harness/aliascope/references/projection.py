@@ -85,8 +85,9 @@ def to_picture(frame: Frame, points: Array) -> tuple[Array, Array, float]:
     if frame.perspective:
         u, v = u / depth, v / depth
         rounding *= (1.0 + float(np.hypot(u, v).max())) / float(depth.min())
-    places = np.column_stack([frame.width / 2 + u / frame.pixel, frame.height / 2 - v / frame.pixel])
-    return places, depth, rounding / frame.pixel + 8 * EPSILON * max(frame.width, frame.height)
+    middle = frame.middle
+    places = np.column_stack([middle[0] + u / frame.pixel, middle[1] - v / frame.pixel])
+    return places, depth, rounding / frame.pixel + 8 * EPSILON * max(frame.spans)
 
 
 def outlines_of(scene: Scene, frame: Frame, margin_px: float = 0.0) -> list[Outline]:

@@ -64,8 +64,9 @@ def mean_zone_plate(pattern: ZonePlate, frame: Frame, points: Array) -> tuple[Ar
     if spread > 16 * EPSILON * reach:
         raise Unsupported("its plane is not parallel to the picture")
     unit = frame.pixel * (depth if frame.perspective else 1.0)
-    x = (np.arange(frame.width + 1.0) - frame.width / 2) * unit + float(to_centre @ frame.right)
-    y = (frame.height / 2 - np.arange(frame.height + 1.0)) * unit + float(to_centre @ frame.up)
+    middle = frame.middle
+    x = (np.arange(frame.width + 1.0) - middle[0]) * unit + float(to_centre @ frame.right)
+    y = (middle[1] - np.arange(frame.height + 1.0)) * unit + float(to_centre @ frame.up)
     z = depth + float(to_centre @ frame.forward)
     across, across_error = mean_phasor(x, pattern.scale)
     down, down_error = mean_phasor(y, pattern.scale)

@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from aliascope.errors import InvalidInput
+from aliascope.draws import UNMOVED, checked
 from aliascope.model import Scene
 from aliascope.native import samplers
 from aliascope.records import Rendering
 from aliascope.specs import Form, Key, Spec
 
 LEAST_SECONDS = 0.1
-"""A timed rendering is repeated until it has lasted this long; the repeats' mean is the cost of one picture."""
+"""CPU time of a timed run: a short picture is rendered until it has lasted this long; the mean is the cost of one."""
 
 DIMENSIONS = Key(
     "dimensions",
@@ -26,10 +26,6 @@ DIMENSIONS = Key(
 """Of modes that take what a sample needs from one sampler; `aliascope render --dimensions` sets it."""
 
 
-LARGEST_SHIFT = 16.0
-"""Pixels by which a picture is moved on the film at most."""
-
-
 @dataclass(frozen=True)
 class Request:
     """One picture: a scene whose features the renderer draws, its size, a parsed mode, and the seed.
@@ -38,7 +34,8 @@ class Request:
     `time_limit`: seconds on the wall after which the renderer gives up with JobFailed.
     `shift`: pixels to the right and down by which all that is seen is moved on the film: pixel (x, y) covers
     [x - right, x + 1 - right) x [y - down, y + 1 - down) of the picture without it. The eye stays where it is, and so
-    does what is in focus; samples stay where they are in their pixels. Raises InvalidInput beyond LARGEST_SHIFT.
+    does what is in focus; samples stay where they are in their pixels. Raises InvalidInput beyond
+    `draws.LARGEST_SHIFT`.
     """
 
     scene: Scene
@@ -49,26 +46,20 @@ class Request:
     threads: int = 1
     least_seconds: float = 0.0
     time_limit: float = 600.0
-    shift: tuple[float, float] = (0.0, 0.0)
+    shift: tuple[float, float] = UNMOVED
 
     def __post_init__(self) -> None:
-        if not all(abs(pixels) <= LARGEST_SHIFT for pixels in self.shift):  # nor is NaN
-            raise InvalidInput(
-                f"a shift of ({self.shift[0]:g}, {self.shift[1]:g}) pixels: each is from {-LARGEST_SHIFT:g} to "
-                f"{LARGEST_SHIFT:g}"
-            )
+        checked(self.shift)
 
 
 class Renderer(Protocol):
     """A renderer. `title` is what people call it; `draws` are the features of scenes that it can draw.
 
-    `native` names its own modules of `aliascope.native`, each with a library libaliascope-NAME.so. With these, its
-    files are `renderers/NAME*.py`: pictures are made again when one of them changes.
+    `native` names its own libraries libaliascope-NAME.so, and the modules of `aliascope.native` that wrap them. With
+    these, its files are `renderers/NAME*.py`: pictures are made again when one of them changes.
     `probe_mode` is a mode that resolves a hundredth of a pixel, its pattern centred in the pixel; `single_mode` has one
     sample, at the pixel's centre. Neither is random. They draw polygons seen orthographically at least: `doctor` looks
     at those.
-    `idles`: its runs are asleep most of the time and state their own CPU time, so that several side by side leave each
-    other's time as it is.
     `absent`: of features that it does not draw though one might expect them of it, why, in words that stand alone.
     """
 
@@ -79,7 +70,6 @@ class Renderer(Protocol):
     native: tuple[str, ...]
     probe_mode: str
     single_mode: str
-    idles: bool
     absent: Mapping[str, str]
 
     def versions(self) -> Mapping[str, str]:

@@ -12,14 +12,48 @@ from aliascope.records import Cost, Counts, Pixels, Rendering
 from aliascope.renderers.base import DIMENSIONS, Request, filter_of
 from aliascope.specs import Form, Key, Spec
 
+PACKET = Key(
+    "packet",
+    "choice",
+    str(tracer.PACKETS[0]),
+    "how many rays Embree traces together",
+    choices=tuple(map(str, tracer.PACKETS)),
+)
+ROBUST = Key(
+    "robust",
+    "choice",
+    "on",
+    "whether no ray passes between triangles that share an edge",
+    choices=("on", "off"),
+)
+FILM = Key("film", "choice", tracer.FILMS[0], "in what samples are added up", choices=tracer.FILMS)
+
 UNIFORM = Form(
     "uniform",
     "the same number of samples in every pixel",
     (
         Key("n", "integer", 16, "samples a pixel", 1, 1 << 24, is_count=True),
-        Key("sampler", "spec", "sobol:scramble=owen", "the pattern of a pixel", inner=samplers.canonical, named=True),
-        Key("filter", "spec", "box", "the reconstruction filter", inner=filters.canonical),
+        Key(
+            "sampler",
+            "spec",
+            "sobol:scramble=owen",
+            "the pattern of a pixel",
+            inner=samplers.canonical,
+            inner_settings=samplers.settings,
+            named=True,
+        ),
+        Key(
+            "filter",
+            "spec",
+            "box",
+            "the reconstruction filter",
+            inner=filters.canonical,
+            inner_settings=filters.settings,
+        ),
         DIMENSIONS,
+        PACKET,
+        ROBUST,
+        FILM,
     ),
 )
 
@@ -39,10 +73,35 @@ ADAPTIVE = Form(
     "as many samples in a pixel as a method finds that it needs; box filter alone",
     (
         Key("n", "integer", 64, "the most samples of a pixel", 1, 1 << 24, is_count=True),
-        Key("method", "spec", "kajiya", f"{'|'.join(METHODS)}, with its keys", inner=_method, named=True),
-        Key("sampler", "spec", "sobol:scramble=owen", "the sequence of a pixel", inner=samplers.canonical, named=True),
-        Key("filter", "spec", "box", "the reconstruction filter: box", inner=filters.canonical),
+        Key(
+            "method",
+            "spec",
+            "kajiya",
+            f"{'|'.join(METHODS)}, with its keys",
+            inner=_method,
+            inner_settings=estimate.settings,
+            named=True,
+        ),
+        Key(
+            "sampler",
+            "spec",
+            "sobol:scramble=owen",
+            "the sequence of a pixel",
+            inner=samplers.canonical,
+            inner_settings=samplers.settings,
+            named=True,
+        ),
+        Key(
+            "filter",
+            "spec",
+            "box",
+            "the reconstruction filter: box",
+            inner=filters.canonical,
+            inner_settings=filters.settings,
+        ),
         DIMENSIONS,
+        PACKET,
+        ROBUST,
     ),
 )
 
@@ -55,7 +114,6 @@ class Embree:
     draws = tracer.DRAWS
     probe_mode = "uniform:n=256,sampler=regular"
     single_mode = "uniform:n=1,sampler=regular"
-    idles = False
     absent: Mapping[str, str] = {}
 
     def versions(self) -> Mapping[str, str]:
@@ -82,12 +140,14 @@ class Embree:
     def render(self, request: Request) -> Rendering:
         """The time limit is looked at between repeats only."""
         started = time.monotonic()
-        built = tracer.Tracer(request.scene, (request.width, request.height), request.shift)
+        built = tracer.Tracer(request.scene, (request.width, request.height), request.shift, _options(request.mode))
         pixels, counts, first = _draw(built, request)
         cpu_seconds, wall_seconds, repeats = first.cpu_seconds, first.wall_seconds, 1
+        instructions = first.instructions
         while cpu_seconds < request.least_seconds and time.monotonic() - started < request.time_limit:
             again = _draw(built, request)[-1]
             cpu_seconds, wall_seconds = cpu_seconds + again.cpu_seconds, wall_seconds + again.wall_seconds
+            instructions = again.instructions  # the first picture also warms up what is loaded when it is used
             repeats += 1
         if time.monotonic() - started > request.time_limit:
             raise JobFailed(f"embree {request.mode.text} took more than {request.time_limit:g} s")
@@ -100,8 +160,14 @@ class Embree:
             cpu_seconds=cpu_seconds / repeats,
             wall_seconds=wall_seconds / repeats,
             repeats=repeats,
+            instructions=instructions,
         )
         return Rendering(pixels, cost, counts=counts)
+
+
+def _options(mode: Spec) -> tracer.Options:
+    film = mode.word(FILM.name) if FILM.name in mode.values else tracer.Options.film
+    return tracer.Options(int(mode.word(PACKET.name)), mode.word(ROBUST.name) == "on", film)
 
 
 def _rays(scene: Scene, cost: tracer.TracerCost) -> dict[str, int]:

@@ -45,7 +45,15 @@ ACCUMULATE = Form(
     "its own point of the lens and lit by its own point of each light with an area, where the scene asks for that",
     (
         Key("n", "integer", 16, "passes", 1, 65536, is_count=True),
-        Key("sampler", "spec", "halton", "the pattern", inner=samplers.canonical, named=True),
+        Key(
+            "sampler",
+            "spec",
+            "halton",
+            "the pattern",
+            inner=samplers.canonical,
+            inner_settings=samplers.settings,
+            named=True,
+        ),
         DIMENSIONS,
     ),
 )
@@ -123,7 +131,6 @@ class OSMesa:
     )
     probe_mode = "accumulate:n=256,sampler=regular"
     single_mode = "none"
-    idles = False
     absent: Mapping[str, str] = {}
 
     def versions(self) -> Mapping[str, str]:
@@ -162,6 +169,7 @@ class OSMesa:
                 cpu_seconds=cpu_seconds / repeats,
                 wall_seconds=wall_seconds / repeats,
                 repeats=repeats,
+                instructions=cost.instructions,  # of the last: the first compiles the shaders
             ),
         )
 

@@ -32,21 +32,20 @@ from aliascope.renderers.povray_modes import (
     FORMS,
     antialiasing,
     grid_side,
-    processes,
     samples_per_pixel,
     seeded,
     too_long,
     unable_mode,
 )
-from aliascope.renderers.povray_process import Statistics, executable, read_statistics, run_all, version
+from aliascope.renderers.povray_process import Statistics, executable, read_statistics, run, version
 from aliascope.renderers.povray_sdl import moving_texts, scene_text
 from aliascope.specs import Form, Spec
 
-MOST_FRAMES = 6
-"""Frames that a run for the time alone renders at most: each takes 0.23 s on the wall, however small it is."""
+MOST_FRAMES = 500
+"""Frames that a run for the time alone renders at most: each takes 0.01 s on the wall, however small it is."""
 
-CLOCK_STEP = 0.001
-"""Seconds; the step of the times that povray prints."""
+LEAST_SECONDS = 1e-4
+"""CPU time that a frame is taken to last at least, when it is counted how many make a measurement."""
 
 LARGEST_HALF = 65504.0
 """The largest half float."""
@@ -68,8 +67,7 @@ class _Output:
 
 @dataclass(frozen=True)
 class _Job:
-    """One program run, but for its frames: the size is that of the canvas. processes: runs at most that share them;
-    tile: see PovRay."""
+    """One program run, but for its frames: the size is that of the canvas. tile: see PovRay."""
 
     path: str
     folder: Path
@@ -77,7 +75,6 @@ class _Job:
     height: int
     options: tuple[str, ...]
     output: _Output
-    processes: int
     tile: int
 
 
@@ -89,7 +86,7 @@ class PovRay:
 
     name = "povray"
     title = "POV-Ray"
-    native: tuple[str, ...] = ()
+    native: tuple[str, ...] = ("waits",)
     modes: Mapping[str, Form] = {form.name: form for form in FORMS}
     draws = frozenset(
         {
@@ -102,7 +99,6 @@ class PovRay:
     )
     probe_mode = "am1:depth=9,jitter=0,threshold=0"
     single_mode = "none"
-    idles = True
     absent: Mapping[str, str] = {
         "gloss": "POV-Ray 3.7 mirrors sharply; what blurs its mirrors is a bumpy surface, whose lobe has no formula",
         "diffuse bounces": "POV-Ray's radiosity interpolates between places, an error that more samples leave",
@@ -133,9 +129,10 @@ class PovRay:
     def render(self, request: Request) -> Rendering:
         """Makes the picture, in one run of the program; a second run, for the time alone, where the first was short.
 
-        `cpu_seconds` and `wall_seconds` are of tracing alone, as povray prints them, in steps of CLOCK_STEP, summed
-        over the frames of a picture; `repeats` counts the pictures of both runs, their mean is the cost. The second
-        run has MOST_FRAMES at most, so a small picture is known less well than `least_seconds` asks.
+        `cpu_seconds` and `wall_seconds` are of tracing alone, as povray prints them, summed over the frames of a
+        picture; `repeats` counts the pictures of both runs, their mean is the cost. The second run has MOST_FRAMES at
+        most. Instructions are not counted: those of the program would be of its start, of reading the scene and of
+        writing the picture too, which nothing outside of it tells from tracing.
         """
         start = time.monotonic()
         size = (request.width, request.height)
@@ -156,15 +153,14 @@ class PovRay:
                 f"+WT{1 if frames.grid.jitter else request.threads}",
             )
             width, height = (side * (n + abs(more)) for n, more in zip(size, frames.further, strict=True))
-            runs = processes(request.scene, count)
-            job = _Job(path, folder, width, height, options, output, runs, self.tile)
+            job = _Job(path, folder, width, height, options, output, self.tile)
             _write(folder, request, output.exposure, frames)
             statistics = _run(job, count, request.time_limit)
             drawn = _cut_out(_weighted_mean(job, frames.weights), frames)
             pixels = _box_averaged(drawn, side, output.exposure)
             seconds = sum(frame.cpu_seconds for frame in statistics)
             if seconds < request.least_seconds and count <= MOST_FRAMES:
-                wanted = math.ceil(request.least_seconds / max(seconds, CLOCK_STEP)) - 1
+                wanted = math.ceil(request.least_seconds / max(seconds, LEAST_SECONDS)) - 1
                 remaining = max(0.0, request.time_limit - (time.monotonic() - start))
                 statistics += _run(job, count * min(max(wanted, 1), MOST_FRAMES // count), remaining)
         cost = _cost(statistics, count, request.width * request.height, frames.blur is not None)
@@ -229,11 +225,8 @@ def _output_for(scene: Scene, frames: Frames) -> _Output:
 
 
 def _run(job: _Job, frames: int, time_limit: float) -> list[Statistics]:
-    """Renders so many frames and returns what povray says of each; their files are those of `_names`.
-
-    Runs of povray side by side share them, as each sleeps for most of its time.
-    """
-    common = [
+    """Renders so many frames and returns what povray says of each; their files are those of `_names`."""
+    arguments = [
         "+Iscene.pov",
         f"+O{'picture' if frames == 1 else 'frame'}.{job.output.suffix}",
         job.output.option,
@@ -246,11 +239,7 @@ def _run(job: _Job, frames: int, time_limit: float) -> list[Statistics]:
         *job.options,
         *(("+KFI1", f"+KFF{frames}") if frames > 1 else ()),
     ]
-    count = min(job.processes, frames)
-    parts = [(1 + frames * i // count, frames * (i + 1) // count) for i in range(count)]
-    runs = [common if count == 1 else [*common, f"+SF{first}", f"+EF{last}"] for first, last in parts]
-    outputs = run_all(job.path, runs, job.folder, time_limit, math.ceil(frames / count))
-    statistics = [frame for output in outputs for frame in read_statistics(output)]
+    statistics = read_statistics(run(job.path, arguments, job.folder, time_limit, frames))
     if len(statistics) != frames:
         raise JobFailed(f"povray printed the statistics of {len(statistics)} pictures instead of {frames}")
     return statistics

@@ -12,24 +12,14 @@ from aliascope.native import samplers
 from aliascope.renderers.base import DIMENSIONS
 from aliascope.specs import Form, Key, Spec
 
-FRAME_SECONDS = 0.23
-"""Seconds on the wall that a frame takes, however small it is: 120 of them took 27.4."""
-
-FRAME_WORK = 0.02
-"""Seconds of these in which it works; it sleeps for the rest."""
-
-MOST_PROCESSES = 8
-"""Runs of povray that share the frames of a picture: 64 took 15.8 s on the wall in one, 2.7 in eight, 2.6 in sixteen;
-the CPU-seconds of the trace were the same to 3 %."""
+FRAME_SECONDS = 0.01
+"""Seconds on the wall that a frame takes, however small it is: 20 of them took 0.2."""
 
 TRIANGLE_SECONDS = 7e-6
 """Seconds that a frame takes for each triangle, to parse it and to bound it: the scene is read again for each frame."""
 
 MOST_MOVED = 5_000_000
 """Triangles that are written again because they moved, over all frames: a gigabyte of text."""
-
-START_SECONDS = 0.5
-"""Seconds on the wall before the first frame."""
 
 ANTIALIAS_GAMMA = 2.5
 """povray compares colours to the power of 1/2.5 with its threshold; it averages them as they are."""
@@ -82,11 +72,10 @@ ACCUMULATE = Form(
     "accumulate",
     "n frames with one ray a pixel, moved by one sampling pattern for all pixels, and averaged; each at its own time, "
     "through its own point of the lens, lit by one point of each area light, where the scene asks for that. A frame "
-    f"takes {FRAME_SECONDS:g} s on the wall, {MOST_PROCESSES} at once where the scene is small: n is bounded by the "
-    "time limit too",
+    f"takes {FRAME_SECONDS:g} s on the wall, and more where the scene is large: n is bounded by the time limit too",
     (
         Key("n", "integer", 16, "frames, the samples a pixel", 1, 4096, is_count=True),
-        Key("sampler", "spec", "halton", "the pattern", inner=_sampler, named=True),
+        Key("sampler", "spec", "halton", "the pattern", inner=_sampler, inner_settings=samplers.settings, named=True),
         DIMENSIONS,
     ),
 )
@@ -201,12 +190,6 @@ def _lights_of_its_own(mode: Spec, scene: Scene) -> str | None:
     return None
 
 
-def processes(scene: Scene, count: int) -> int:
-    """Among how many runs of povray so many frames are shared: as sleep for one while another works."""
-    work = FRAME_WORK + TRIANGLE_SECONDS * _triangles(scene)
-    return max(1, min(count, MOST_PROCESSES, int((FRAME_SECONDS + work) / work)))
-
-
 def _triangles(scene: Scene, moving: bool = False) -> int:
     meshes = [surface for surface in scene.surfaces if isinstance(surface, LoadedMesh)]
     return sum(len(mesh.triangles) for mesh in meshes if mesh.motion is not None or not moving)
@@ -218,12 +201,12 @@ def too_long(scene: Scene, mode: Spec, time_limit: float) -> str | None:
     moving = _triangles(scene, moving=True)
     if scene.needs().shutter and count * moving > MOST_MOVED:
         return f"{mode.text}: {count} frames of {moving} moving triangles; at most {MOST_MOVED:g} are written in all"
-    frame_seconds = (FRAME_SECONDS + TRIANGLE_SECONDS * _triangles(scene)) / processes(scene, count)
-    most = int((time_limit - START_SECONDS) / frame_seconds)
+    frame_seconds = FRAME_SECONDS + TRIANGLE_SECONDS * _triangles(scene)
+    most = int(time_limit / frame_seconds)
     if count == 1 or count <= most:
         return None
     return (
-        f"{mode.text}: {count} frames of POV-Ray take {START_SECONDS + frame_seconds * count:.0f} s or more, past the "
+        f"{mode.text}: {count} frames of POV-Ray take {frame_seconds * count:.0f} s or more, past the "
         f"time limit of {time_limit:g} s; at most {max(most, 1)} fit"
     )
 

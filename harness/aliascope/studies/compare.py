@@ -10,23 +10,26 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from statistics import median
 from typing import Any
 
-from aliascope import image, jobs, metrics, pipeline, places, references, renderers
+from aliascope import image, jobs, metrics, pipeline, places, references, renderers, trade
+from aliascope.draws import UNMOVED, text_of
 from aliascope.errors import CheckFailed, Interrupted, NotWritable, Unsupported
-from aliascope.jobs import Plan
+from aliascope.jobs import Judged, Plan
 from aliascope.pipeline import Options, Progress
 from aliascope.plan import FILTERS
-from aliascope.records import Estimate, Failure, ModeRow, Outcome, ReportData, SceneSection
+from aliascope.records import Estimate, Failure, Job, ModeRow, Noise, Outcome, ReportData, SceneSection
 from aliascope.references import Reference
 from aliascope.references import files as reference_files
 from aliascope.report import write_report
-from aliascope.specs import family, label
-from aliascope.statistics import mean, root_mean_square
+from aliascope.specs import family, label, settings
+from aliascope.statistics import Spread, mean, median_time, pooled_spread, root_mean_square
 from aliascope.store import Store
 from aliascope.studies import probes
 from aliascope.studies.headlines import headlines
 from aliascope.studies.progress import converging
+from aliascope.trade import words
 from aliascope.workers import Workers
 
 
@@ -55,24 +58,26 @@ def compare(
     NotWritable for the folder.
     """
     begun, started = time.perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
-    sizes = {jobs.judged_by(job): (job.width, job.height) for job in plan.jobs}
     check_drawn(plan)
-    kept = folder / "references"
-    judged = {key: reference_of(plan, key, size, kept, progress, tell) for key, size in sizes.items()}
+    judged, plan = references_of(plan, folder / "references", progress, tell)
     with Store(folder / "results.sqlite") as store:
         _check_writable(folder)
         versions = {**plan.versions, **plan.plugins}
         store.begin_run(started, command, places.revision(), places.machine(), versions)
         pixels = {key: reference.pixels for key, reference in judged.items()}
         try:
-            with Workers(pipeline.side_by_side(options.processes)) as workers:
-                outcomes, reused = pipeline.execute(plan, folder, store, pixels, options, progress, workers)
+            with Workers(options.processes) as workers, Workers(len(os.sched_getaffinity(0))) as measurers:
+                outcomes, reused = pipeline.execute(plan, folder, store, pixels, options, progress, workers, measurers)
                 probed = probes.of_those_that_drew(outcomes.values(), plan.skipped, store, options, progress, workers)
         except KeyboardInterrupt as error:
             raise Interrupted("interrupted; what was finished is kept, and the same command goes on from it") from error
+        noise = store.noise(outcomes)
     # The box first: it is what all three renderers have.
-    order = sorted(judged, key=lambda key: (list(plan.files).index(key[0]), key[1] != "box", key[1]))
-    sections = tuple(_section(plan, key, judged[key], outcomes, folder) for key in order)
+    order = sorted(
+        {key[:2] for key in judged}, key=lambda key: (list(plan.files).index(key[0]), key[1] != "box", key[1])
+    )
+    spreads = spreads_of(outcomes.values(), noise)
+    sections = tuple(_section(plan, key, judged, outcomes, folder, spreads) for key in order)
     data = ReportData(
         title=f"aliascope compare, {plan.about}" if plan.about else "aliascope compare",
         started=started,
@@ -92,9 +97,10 @@ def compare(
         versions={"aliascope": f"{places.own_version()} ({places.revision()})", **versions},
         metrics=metrics.ABOUT,
         skipped=plan.skipped,
-        undrawn=tuple(cell for cell in plan.empty if (cell.scene, "box") not in judged),
+        undrawn=tuple(cell for cell in plan.empty if (cell.scene, "box") not in order),
         probes=probed,
         probe_limits=probes.LIMITS,
+        noise=noise,
     )
     return Comparison(write_report(folder, data), data, len(outcomes) - reused, outcomes)
 
@@ -104,9 +110,7 @@ def _side_by_side(outcomes: Iterable[Outcome]) -> str:
     done = [outcome for outcome in outcomes if outcome.status == "done"]
     counts = Counter(outcome.processes for outcome in done)
     if set(counts) <= {1}:
-        idle = {job.renderer for job in (outcome.job for outcome in done) if renderers.find(job.renderer).idles}
-        beside = f", but for {pipeline.IDLE_ABREAST} at a time of {', '.join(sorted(idle))}, asleep for most of a run"
-        return f"1: each picture was timed alone{beside if idle else ''}"
+        return "1: each picture was timed alone"
     told = ", ".join(f"{found} of the pictures {processes}" for processes, found in sorted(counts.items()))
     return f"{told}: those with more than 1 have inflated times; run again with -j 1 for times that can be compared"
 
@@ -125,58 +129,100 @@ def _check_writable(folder: Path) -> None:
         raise NotWritable(f"{folder}: cannot be written: {error.strerror}; choose another folder with -o") from error
 
 
+def references_of(
+    plan: Plan, folder: Path, progress: Progress, tell: Callable[[str], None]
+) -> tuple[dict[Judged, Reference], Plan]:
+    """What the pictures of a plan are judged by, and the plan without the pictures that are moved on the film where an
+    exact method refuses: what would have to be converged for them costs more than they are worth."""
+    judged: dict[Judged, Reference] = {}
+    for key, size in {jobs.judged_by(job): (job.width, job.height) for job in plan.jobs}.items():
+        try:
+            judged[key] = reference_of(plan, key, size, folder, progress, tell)
+        except Unsupported:
+            if key[2] == UNMOVED:
+                raise
+            plan = jobs.without(plan, key)
+    return judged, plan
+
+
 def reference_of(
     plan: Plan,
-    key: tuple[str, str],
+    key: Judged,
     size: tuple[int, int],
     folder: Path,
     progress: Progress,
     tell: Callable[[str], None],
 ) -> Reference:
     """The kept reference of a scene of the project at its own size, of a filter that the profiles judge. Any other is
-    made now and kept in `folder`: exact where there is a method, else converged."""
-    name, filter_ = key
+    made now and kept in `folder`: exact where there is a method, else converged. Raises Unsupported where one that is
+    moved on the film has no exact method."""
+    name, filter_, shift = key
     file = plan.files[name]
-    if file.path.parent == places.SCENES and size == file.scene.view.size and filter_ in ("box", *FILTERS):
-        return reference_files.load(places.REFERENCES, name, file.scene, size, filter_)
-    if reference_files.path_of(folder, name, size, filter_).is_file():
+    kept = shift == UNMOVED or reference_files.path_of(places.REFERENCES, name, size, filter_, shift).is_file()
+    if kept and file.path.parent == places.SCENES and size == file.scene.view.size and filter_ in ("box", *FILTERS):
+        return reference_files.load(places.REFERENCES, name, file.scene, size, filter_, shift)
+    if reference_files.path_of(folder, name, size, filter_, shift).is_file():
         try:
-            return reference_files.load(folder, name, file.scene, size, filter_)
+            return reference_files.load(folder, name, file.scene, size, filter_, shift)
         except CheckFailed as error:  # of an earlier version of the scene
             tell(str(error).partition("; ")[0])
     what = f"reference of {name}, {size[0]} x {size[1]} pixels, filter {filter_}"
+    if shift != UNMOVED:
+        what += f", shifted by {text_of(shift)}"
     progress(what, 0, 1)
     converged = references.Plan(threads=len(os.sched_getaffinity(0)), tell=converging(what, progress))
-    made = references.make(file.scene, size, filter_, converged)
-    reference_files.save(folder, name, file.scene, size, filter_, made)
+    made = references.make(file.scene, size, filter_, converged if shift == UNMOVED else None, shift)
+    reference_files.save(folder, name, file.scene, size, filter_, made, shift)
     return made
 
 
+def spreads_of(outcomes: Iterable[Outcome], noise: Noise | None) -> dict[str, Spread | None]:
+    """How timed runs of one picture differ, by renderer: pooled over its modes and scenes."""
+    times: dict[str, dict[tuple[str, str], list[float]]] = {}
+    for outcome in outcomes:
+        if outcome.cost is not None:
+            modes = times.setdefault(outcome.job.renderer, {})
+            modes.setdefault((outcome.job.scene, outcome.job.mode), []).append(outcome.cost.cpu_seconds)
+    drift = noise.drift if noise is not None else 0.0
+    return {name: pooled_spread(list(modes.values()), drift) for name, modes in times.items()}
+
+
 def _section(
-    plan: Plan, key: tuple[str, str], reference: Reference, outcomes: Mapping[str, Outcome], folder: Path
+    plan: Plan,
+    key: tuple[str, str],
+    judged: Mapping[Judged, Reference],
+    outcomes: Mapping[str, Outcome],
+    folder: Path,
+    spreads: Mapping[str, Spread | None],
 ) -> SceneSection:
-    """What one reference judged: a scene under one filter."""
+    """A scene under one filter. The reference that it shows is the one in place."""
     name, filter_ = key
     scene = plan.files[name].scene
     order = list(renderers.RENDERERS)
     groups: dict[tuple[str, str], list[Outcome]] = {}
-    for job in sorted(plan.jobs, key=lambda job: job.seed):
+    for job in sorted(plan.jobs, key=_draw_of):
         outcome = outcomes[job.key]
-        if jobs.judged_by(job) == key and outcome.status == "done":
+        if jobs.judged_by(job)[:2] == key and outcome.status == "done":
             groups.setdefault((job.renderer, job.mode), []).append(outcome)
-    rows = [_row(group, folder, reference) for group in groups.values()]
+    own = {shift: found for (*where, shift), found in judged.items() if tuple(where) == key}
+    rows = [_row(group, folder, own, spreads[group[0].job.renderer]) for group in groups.values()]
     rows.sort(key=lambda row: (order.index(row.renderer), row.family, row.samples_per_pixel))
     box = filter_ == "box"
     return SceneSection(
         name=name if box else f"{name}, {filter_}",
         title=scene.title if box else f"{scene.title}, filtered with {filter_}",
         shows=scene.shows,
-        reference=reference.pixels,
-        reference_note=note_of(reference),
+        reference=own[UNMOVED].pixels,
+        reference_note=note_of(own[UNMOVED]),
         rows=tuple(rows),
         empty=tuple(cell for cell in plan.empty if cell.scene == name) if box else (),
         filter=filter_,
     )
+
+
+def _draw_of(job: Job) -> tuple[int, bool, tuple[float, float]]:
+    """In order of draws: by seed, or the film in its place and then elsewhere."""
+    return job.seed, job.shift != UNMOVED, job.shift
 
 
 def note_of(reference: Reference) -> str:
@@ -187,29 +233,51 @@ def note_of(reference: Reference) -> str:
     return f"converged, standard error {spread:.1g} a pixel"
 
 
-def _row(outcomes: Sequence[Outcome], folder: Path, reference: Reference) -> ModeRow:
-    """One mode's pictures, the first seed's first."""
+def _row(
+    outcomes: Sequence[Outcome], folder: Path, judged: Mapping[tuple[float, float], Reference], spread: Spread | None
+) -> ModeRow:
+    """One mode's pictures, the first draw's first. judged: the references, by how far they are moved."""
     first = outcomes[0]
-    assert first.cost is not None
-    spec = renderers.mode_of(renderers.find(first.job.renderer), first.job.mode)
+    costs = [outcome.cost for outcome in outcomes if outcome.cost is not None]
+    renderer = renderers.find(first.job.renderer)
+    spec = renderers.mode_of(renderer, first.job.mode)
     counts = folder / pipeline.counts_path(first.image)
+    seconds = tuple(cost.cpu_seconds for cost in costs)
+    instructions = [cost.instructions for cost in costs if cost.instructions is not None]
     return ModeRow(
         renderer=first.job.renderer,
         mode=first.job.mode,
         label=label(spec),
         family=family(spec),
-        samples_per_pixel=first.cost.samples_per_pixel,
-        cpu_seconds=mean([outcome.cost.cpu_seconds for outcome in outcomes if outcome.cost]),
-        metrics={name: with_reference(name, _estimate(name, outcomes), reference) for name in first.metrics},
+        samples_per_pixel=costs[0].samples_per_pixel,
+        cpu_seconds=median_time(seconds, spread),
+        metrics={name: _metric(name, outcomes, judged) for name in first.metrics},
         pictures=len(outcomes),
         pixels=image.read_image(folder / first.image),
         quantum=first.quantum,
         counts=image.read_counts(counts) if counts.is_file() else None,
+        seconds=seconds,
+        draws={name: tuple(outcome.metrics[name] for outcome in outcomes) for name in first.metrics},
+        deterministic=not renderer.seeded(spec),
+        samples=costs[0].samples,
+        rays=costs[0].rays,
+        instructions=median(instructions) if instructions else None,
+        settings=settings(spec),
     )
 
 
+def _metric(name: str, outcomes: Sequence[Outcome], judged: Mapping[tuple[float, float], Reference]) -> Estimate:
+    """A metric over the draws, with what is not known of the reference: of draws in several places, the least exact.
+    Of one draw the uncertainty is not known, whatever is known of its reference."""
+    found = _estimate(name, outcomes)
+    if len(outcomes) < 2:
+        return found
+    used = [judged[shift] for shift in dict.fromkeys(outcome.job.shift for outcome in outcomes)]
+    return with_reference(name, found, max(used, key=lambda each: each.standard_error_rms or 0.0))
+
+
 def _estimate(name: str, outcomes: Sequence[Outcome]) -> Estimate:
-    """RMSE over seeds by the mean of squares, which is unbiased; the others by their mean."""
+    """RMSE over draws by the mean of squares, which is unbiased; the others by their mean."""
     values = [value for outcome in outcomes if (value := outcome.metrics[name]) is not None]
     if not values:
         return Estimate(None)
@@ -249,6 +317,8 @@ def summary(result: Comparison, plan: Plan) -> dict[str, Any]:
         "empty": empty_cells(plan),
         "failures": [asdict(failure) for failure in data.failures],
         "probes": [asdict(probe) for probe in data.probes],
+        "noise": None if data.noise is None else asdict(data.noise),
+        "trade": words.document(trade.analyse(data.scenes)),
         "rows": [_row_document(scene.name, row) for scene in data.scenes for row in scene.rows],
     }
 
@@ -261,10 +331,27 @@ def _row_document(scene: str, row: ModeRow) -> dict[str, Any]:
         "label": row.label,
         "samples_per_pixel": row.samples_per_pixel,
         "pictures": row.pictures,
+        "deterministic": row.deterministic,
+        "uncertainty": uncertainty_of(row),
         "cpu_seconds": row.cpu_seconds.value,
+        "cpu_seconds_standard_error": row.cpu_seconds.standard_error,
+        "cpu_seconds_interval": row.cpu_seconds.interval,
+        "seconds": list(row.seconds),
+        "samples": row.samples,
+        "rays": dict(row.rays),
+        "instructions": row.instructions,
+        "settings": dict(row.settings),
         "metrics": {name: estimate.value for name, estimate in row.metrics.items()},
         "standard_errors": {name: estimate.standard_error for name, estimate in row.metrics.items()},
+        "draws": {name: list(values) for name, values in row.draws.items()},
     }
+
+
+def uncertainty_of(row: ModeRow) -> str:
+    """Over what the standard errors of a row's metrics are."""
+    if row.pictures < 2:
+        return "not known: one picture"
+    return f"over {row.pictures} {'places of the film' if row.deterministic else 'seeds'}"
 
 
 def empty_cells(plan: Plan) -> list[dict[str, str]]:
@@ -294,6 +381,8 @@ def summary_lines(result: Comparison, plan: Plan) -> list[str]:
     lines += empty_lines(plan)
     lines += data.headlines
     kept = f", {data.reused} of them from before" if data.reused else ""
+    if data.noise is not None:
+        lines.append(data.noise.told)
     lines.append(f"{counted(data.pictures)}{kept}, {len(data.failures)} failed, {data.wall_seconds:.0f} s")
     lines.append(str(result.report))
     return lines

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from aliascope import places, renderers
 from aliascope.errors import AliascopeError, NotAvailable
-from aliascope.pipeline import IDLE_ABREAST
 from aliascope.renderers.base import Renderer
 from aliascope.studies import doctor_embree, doctor_osmesa, doctor_povray
 from aliascope.studies.doctor_charts import Edges, Star
@@ -54,7 +54,7 @@ def examine(
             for index, entry in enumerate(found)
             if entry["there"] and "centre" in entry
         }
-        with Workers(IDLE_ABREAST) as workers:
+        with Workers(len(os.sched_getaffinity(0))) as workers:
             answered = iter(answers([each for several in asked.values() for each in several], workers, tell))
         for index, several in asked.items():
             findings = [next(answered) for _ in several]

@@ -120,22 +120,20 @@ def render(shot: Shot) -> Shown:
 
 def answers(inquiries: Sequence[Inquiry], workers: _Pool, tell: Tell) -> list[Finding]:
     """The findings, in the order of the inquiries. A picture that fails fails those that need it, and no others."""
-    shots = dict.fromkeys(shot for inquiry in inquiries for shot in inquiry.shots.values())
-    # Those of renderers that idle first: the others are rendered while they sleep.
-    order = sorted(shots, key=lambda shot: not renderers.find(shot.renderer).idles)
+    shots = list(dict.fromkeys(shot for inquiry in inquiries for shot in inquiry.shots.values()))
     with ExitStack() as stack:
         alone: dict[int, _Pool] = {0: workers}
         for count in sorted({shot.own_threads for shot in shots} - {0}):
             alone[count] = stack.enter_context(Workers(1))
-        begun = {shot: alone[shot.own_threads].begin(render, [shot], TIME_LIMIT) for shot in order}
+        begun = {shot: alone[shot.own_threads].begin(render, [shot], TIME_LIMIT) for shot in shots}
         made: dict[Shot, Shown | AliascopeError] = {}
-        for done, shot in enumerate(order):
-            tell(f"{shot.renderer}  {shot.mode}", done, len(order))
+        for done, shot in enumerate(shots):
+            tell(f"{shot.renderer}  {shot.mode}", done, len(shots))
             try:
                 made[shot] = begun[shot].result()
             except AliascopeError as error:
                 made[shot] = error
-    tell(None, len(order), len(order))
+    tell(None, len(shots), len(shots))
     return [_answer(inquiry, made) for inquiry in inquiries]
 
 

@@ -27,7 +27,7 @@ from aliascope.studies.power_defects import REPEATED, Injected
 from aliascope.studies.power_kept import Kept
 from aliascope.studies.power_machines import Elsewhere
 from aliascope.studies.power_null import Null, alarms_of, blessed_of, repeated
-from aliascope.studies.power_pool import DEAR_POOL, IDLE_POOL, POOL, key_of
+from aliascope.studies.power_pool import DEAR_POOL, FRAMES_POOL, POOL, key_of
 from aliascope.studies.regress_suite import OWEN, REPLICATES, Cell
 from aliascope.workers import Task, Workers
 
@@ -49,7 +49,7 @@ is judged by its blessed figures."""
 TRIED_SECONDS = 100.0
 """CPU time for the repetitions of a cell; it has LEAST_TRIES whatever they take."""
 
-LEAST_TRIES, MOST_TRIES, IDLE_TRIES = 2, 10, 2
+LEAST_TRIES, MOST_TRIES = 2, 10
 """With fresh seeds, beside the one with those of the suite."""
 
 RENDERED_EACH = 6
@@ -60,8 +60,6 @@ CHUNK = 25
 
 MOST_ALARMS = 4e-3
 """Of all null repetitions: so that of 1,000 the upper 95 % bound of their share is below 1 %."""
-
-IDLE_ABREAST = 8
 
 
 @dataclass(frozen=True)
@@ -120,8 +118,8 @@ def answer(asked: Asked, tell: Tell) -> Answer:
     names, versions = _renderers(asked)
     files = [scene_io.load(word) for word in selection.scenes_of(asked.scenes)]
     cells, _ = regress_suite.cells_of(files, names)
-    with Workers(asked.processes) as busy, Workers(IDLE_ABREAST) as idle:
-        study = _Study(asked, cells, tell, busy, idle)
+    with Workers(asked.processes) as workers:
+        study = _Study(asked, cells, tell, workers)
         base = study.base()
         tests = sum((count(each, blessed_of(each)) for each in base.values()), Tests())
         chances = shared(tests)
@@ -160,10 +158,6 @@ def _seeded(cell: Cell) -> bool:
     return all(draw.shift == (0.0, 0.0) for draw in cell.draws)
 
 
-def _idles(cell: Cell) -> bool:
-    return renderers.find(cell.name.renderer).idles
-
-
 @dataclass(frozen=True)
 class _Work:
     """A task, and the key under which its result is kept."""
@@ -181,8 +175,7 @@ class _Study:
     asked: Asked
     cells: Sequence[Cell]
     tell: Tell
-    busy: Workers
-    idle: Workers
+    workers: Workers
     targets: dict[tuple[str, str], Target] = field(default_factory=dict)
 
     @property
@@ -199,14 +192,11 @@ class _Study:
         return self.targets[key]
 
     def results(self, work: Sequence[_Work], what: str, others: Workers | None = None) -> list[Any]:
-        """Those of all tasks, what is kept or else done now and then kept; those that idle beside the others. `others`:
-        the processes that do it all, in place of the study's own."""
+        """Those of all tasks, what is kept or else done now and then kept. `others`: the
+        processes that do it all, in place of the study's own."""
         missing = [each for each in work if not self.kept.has(each.key)]
         begun: list[Task[Any]] = [
-            (others or (self.idle if _idles(each.cell) else self.busy)).begin(
-                each.task, each.arguments, self.asked.time_limit
-            )
-            for each in missing
+            (others or self.workers).begin(each.task, each.arguments, self.asked.time_limit) for each in missing
         ]
         for number, (each, task) in enumerate(zip(missing, begun, strict=True)):
             self.tell(f"{what}: {each.cell.name.text}", number, len(missing))
@@ -236,7 +226,7 @@ class _Study:
         keys, folder = [each.key for each in pools], self.kept.folder
         found = Null(0, 0)
         tasks = [
-            self.busy.begin(
+            self.workers.begin(
                 repeated, [folder, keys, chances, REPLICATES, numbers[first : first + CHUNK]], self.asked.time_limit
             )
             for first in range(0, len(numbers), CHUNK)
@@ -285,8 +275,8 @@ class _Study:
 
 
 def _pool_size(cell: Cell) -> int:
-    if _idles(cell):
-        return IDLE_POOL
+    if cell.name.renderer == "povray":
+        return FRAMES_POOL
     return DEAR_POOL if cell.file.scene.needs().diffuse_bounces else POOL
 
 
@@ -307,7 +297,5 @@ def _tries(cell: Cell, plain: Observed, most: int) -> int:
     """With fresh seeds: as many as there is time for, none where there is no seed."""
     if not _seeded(cell):
         return 0
-    if _idles(cell):
-        return min(most, IDLE_TRIES)
     seconds = RENDERED_EACH * sum(replicate.cpu_seconds for replicate in plain.replicates)
     return min(most, max(LEAST_TRIES, int(TRIED_SECONDS / max(seconds, 1e-9))))

@@ -21,8 +21,8 @@ from aliascope.studies.regress_suite import Cell
 FIRST_SEED = 1 << 45
 """Of the pools: no other command has these."""
 
-POOL, DEAR_POOL, IDLE_POOL = 128, 64, 48
-"""Replicates of a cell; of one where light goes from surface to surface; of a renderer each of whose frames waits."""
+POOL, DEAR_POOL, FRAMES_POOL = 128, 64, 48
+"""Replicates of a cell; of one where light goes from surface to surface; of POV-Ray's, each of them many frames."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def key_of(cell: Cell, *what: object) -> str:
     """A hash of all that pictures of a cell, and what is kept of them, depend on; `what` says what was made of it."""
     here = Path(__file__).parents[1]
     code = [path.read_bytes() for path in sorted((here / "regression").glob("[ot]*.py"))]
-    reference = [path.read_bytes() for path in sorted((places.REFERENCES / cell.name.scene).glob("*box*.exr"))]
+    reference = [path.read_bytes() for path in sorted((places.REFERENCES / cell.name.scene).glob("*box.*exr"))]
     versions = sorted(renderers.find(cell.name.renderer).versions().items())
     stated = [
         cell.file.scene.digest(),

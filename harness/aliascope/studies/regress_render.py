@@ -16,11 +16,8 @@ from aliascope.scene_io import SceneFile
 from aliascope.studies.regress_suite import Cell, kind_of
 from aliascope.workers import Task, Workers
 
-IDLE_ABREAST = 6
-"""Pictures of a renderer that idles that are made side by side, beside those of the others."""
-
-IDLE_PART, BUSY_PART = 4, 16
-"""Replicates of one task: so many that the pictures of one cell are shared among those that idle."""
+PART, DEAR_PART = 16, 4
+"""Replicates of one task; fewer where each takes long, so that the pictures of one cell are shared."""
 
 Tell = Callable[[str | None, int, int], None]
 
@@ -72,17 +69,14 @@ def render_part(
 def rendered(
     work: Sequence[Work], processes: int, time_limit: float, versions: Mapping[str, Mapping[str, str]], tell: Tell
 ) -> list[Observed | Problem]:
-    """What came of each, in order. Those that idle run beside the others, longest first."""
-    idle = [each for each in work if renderers.find(each.cell.name.renderer).idles]
-    abreast = min(IDLE_ABREAST, sum(len(_shares(each)) for each in idle)) or 1
-    with Workers(processes) as busy, Workers(abreast) as idling:
+    """What came of each, in order. The longest begin first."""
+    with Workers(processes) as workers:
         begun: dict[int, list[Task[tuple[Part, dict[str, float]]]]] = {}
         for number in sorted(range(len(work)), key=lambda number: -_weight(work[number])):
             each = work[number]
-            pool = idling if renderers.find(each.cell.name.renderer).idles else busy
             name, more = each.cell.name, [each.target, each.defect, time_limit]
             begun[number] = [
-                pool.begin(render_part, [each.cell.file, name.renderer, name.mode, draws, *more], time_limit)
+                workers.begin(render_part, [each.cell.file, name.renderer, name.mode, draws, *more], time_limit)
                 for draws in _shares(each)
             ]
         seen: dict[int, Observed | Problem] = {}
@@ -96,7 +90,7 @@ def rendered(
 
 def _weight(work: Work) -> float:
     """Roughly what it takes, so that the longest begin first: light that bounces, and files that are long to read."""
-    if renderers.find(work.cell.name.renderer).idles and kind_of(work.cell.file.scene) == "heavy":
+    if kind_of(work.cell.file.scene) == "heavy":
         return 1000.0
     needs = work.cell.file.scene.needs()
     count = work.cell.spec.integer("n") if "n" in work.cell.spec.values else 16
@@ -105,9 +99,8 @@ def _weight(work: Work) -> float:
 
 def _shares(work: Work) -> list[tuple[Draw, ...]]:
     """The draws of each task."""
-    size = IDLE_PART if renderers.find(work.cell.name.renderer).idles else BUSY_PART
-    if work.cell.file.scene.needs().diffuse_bounces:
-        size = min(size, IDLE_PART)
+    scene = work.cell.file.scene
+    size = DEAR_PART if scene.needs().diffuse_bounces or kind_of(scene) == "heavy" else PART
     return [work.cell.draws[first : first + size] for first in range(0, len(work.cell.draws), size)]
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from aliascope import api, image, jobs, metrics, pipeline, plan, references, renderers, scene_io
+from aliascope.draws import UNMOVED, text_of
 from aliascope.errors import InvalidInput, NotWritable
 from aliascope.native import filters
 from aliascope.records import Rendering
@@ -70,8 +71,9 @@ def render_file(
         size=(width, height),
         seed=seed,
         versions=versions,
+        shift=shift,
     )
-    header = pipeline.provenance(job, rendering, versions, shift)
+    header = pipeline.provenance(job, rendering, versions)
     image.write_exr(out, rendering.pixels, header)
     if counts is not None and rendering.counts is not None:
         image.write_counts(counts, rendering.counts, header)
@@ -128,6 +130,10 @@ def _processors() -> int:
     return len(os.sched_getaffinity(0))
 
 
+def _moved(shift: tuple[float, float]) -> str:
+    return "" if shift == UNMOVED else f" shifted by {text_of(shift)}"
+
+
 def make_reference(
     scene: str,
     folder: Path,
@@ -135,6 +141,7 @@ def make_reference(
     filter_: str = "box",
     samples: int | None = None,
     tell: Tell = _nobody,
+    shift: tuple[float, float] = UNMOVED,
 ) -> dict[str, Any]:
     """Makes and writes one reference: exact where the scene and the filter allow it, else converged."""
     file = scene_io.load(scene)
@@ -142,15 +149,16 @@ def make_reference(
     converged = references.Plan(
         samples=samples or references.Plan.samples,
         threads=_processors(),
-        tell=converging(f"reference of {file.name}, filter {filter_}", tell),
+        tell=converging(f"reference of {file.name}{_moved(shift)}, filter {filter_}", tell),
     )
-    made = references.make(file.scene, wanted, filter_, converged)
-    path = files.save(folder, file.name, file.scene, wanted, filter_, made)
+    made = references.make(file.scene, wanted, filter_, converged, shift)
+    path = files.save(folder, file.name, file.scene, wanted, filter_, made, shift)
     return {
         "scene": file.name,
         "path": str(path),
         "method": made.method,
         "filter": filter_,
+        "shift": list(shift),
         "error": made.error,
         "standard_error": made.standard_error_rms,
         "holds": True,
@@ -165,6 +173,7 @@ def verify_reference(
     filter_: str = "box",
     samples: int | None = None,
     tell: Tell = _nobody,
+    shift: tuple[float, float] = UNMOVED,
 ) -> dict[str, Any]:
     """Makes one reference again and compares it with the file; `samples`: of each replicate, for a converged one."""
     file = scene_io.load(scene)
@@ -173,20 +182,21 @@ def verify_reference(
         files.CHECK,
         samples=samples or files.CHECK.samples,
         threads=_processors(),
-        tell=converging(f"reference of {file.name}, filter {filter_}", tell),
+        tell=converging(f"reference of {file.name}{_moved(shift)}, filter {filter_}", tell),
     )
-    found = files.verify(folder, file.name, file.scene, wanted, filter_, check)
+    found = files.verify(folder, file.name, file.scene, wanted, filter_, check, shift)
     verdict = "holds" if found.holds else f"DOES NOT HOLD: {found.reason}"
     return {
         "scene": file.name,
-        "path": str(files.path_of(folder, file.name, wanted, filter_)),
+        "path": str(files.path_of(folder, file.name, wanted, filter_, shift)),
         "method": found.method,
         "filter": filter_,
+        "shift": list(shift),
         "error": found.error,
         "holds": found.holds,
         "reason": found.reason,
         "max_difference": found.max_difference if found.max_difference == found.max_difference else None,
         "tolerance": found.tolerance,
-        "text": f"{file.name}: {verdict}; largest difference {found.max_difference:.2g} "
+        "text": f"{file.name}{_moved(shift)}: {verdict}; largest difference {found.max_difference:.2g} "
         + (f"({found.method}, error below {found.error:.2g})" if found.method != "converged" else "(converged)"),
     }

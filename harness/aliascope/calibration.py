@@ -1,0 +1,148 @@
+"""How steady the machine is on which pictures are timed: a fixed job, run between them again and again in the process
+that renders, and what the processors did meanwhile."""
+
+from __future__ import annotations
+
+import os
+import resource
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from aliascope.native.samplers import Sampler
+from aliascope.records import Noise
+
+EVERY = 10
+"""Timed runs between two of the fixed job."""
+
+SAMPLER, POINTS, FILLS = "sobol:scramble=owen", 4096, 2500
+"""The fixed job: the points of this pattern, 64 kB of them so that they stay near the processor, so many times; some
+20 ms."""
+
+MOST_OTHERS = 0.1
+"""Of a processor that others may use, in the mean, before the machine counts as loaded."""
+MOST_WAITED = 0.05
+"""Share of its time on the wall that a run may have waited for a processor."""
+MOST_SPREAD = 0.1
+"""Standard deviation of the fixed job's times, over their median, of a machine that is not loaded."""
+LEAST_WATCHED = 1.0
+"""Seconds on the wall from which on it is told what others used: it is counted in hundredths."""
+
+
+@dataclass(frozen=True)
+class Beat:
+    """One run of the fixed job, in seconds."""
+
+    cpu: float
+    wall: float
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What a run took of the process that did it. wall, own: seconds of it, and CPU seconds without those of other
+    programs that it started; used: all CPU seconds, of those programs too, since the process began."""
+
+    wall: float
+    own: float
+    process: int
+    used: float
+
+
+def beat() -> Beat:
+    """Runs the fixed job. Runs in a worker process."""
+    sampler = Sampler(SAMPLER, POINTS)
+    begun, cpu = time.perf_counter(), time.thread_time()
+    for _ in range(FILLS):
+        sampler.points(POINTS)
+    return Beat(time.thread_time() - cpu, time.perf_counter() - begun)
+
+
+def effort() -> Callable[[], Effort]:
+    """Begins to watch a run of this process; what is returned ends it."""
+    begun, cpu = time.perf_counter(), time.process_time()
+
+    def end() -> Effort:
+        children = resource.getrusage(resource.RUSAGE_CHILDREN)
+        own = time.process_time()
+        return Effort(time.perf_counter() - begun, own - cpu, os.getpid(), own + children.ru_utime + children.ru_stime)
+
+    return end
+
+
+def busy_seconds(stat: Path = Path("/proc/stat")) -> float | None:
+    """CPU seconds that all processors of the machine were busy, for whomever, since it began; None where it is not
+    told."""
+    with suppress(OSError, ValueError, IndexError):
+        first = stat.read_text().split("\n", 1)[0].split()
+        user, nice, system, _, _, interrupt, soft, stolen = map(int, first[1:9])
+        return (user + nice + system + interrupt + soft + stolen) / os.sysconf("SC_CLK_TCK")
+    return None
+
+
+class Watch:
+    """What is seen of the machine from here on, by the process that has others time pictures."""
+
+    def __init__(self) -> None:
+        self._beats: list[Beat] = []
+        self._efforts: list[Effort] = []
+        self._begun, self._own, self._busy = time.perf_counter(), time.process_time(), busy_seconds()
+
+    def beat(self, beat: Beat) -> None:
+        """A run of the fixed job."""
+        self._beats.append(beat)
+
+    def ran(self, effort: Effort) -> None:
+        """A timed run."""
+        self._efforts.append(effort)
+
+    def others(self) -> float | None:
+        """How many processors others had in use, in the mean; None where that is not known."""
+        seconds, busy = time.perf_counter() - self._begun, busy_seconds()
+        if busy is None or self._busy is None or seconds < LEAST_WATCHED:
+            return None
+        used: dict[int, float] = {}
+        for each in self._efforts:
+            used[each.process] = max(used.get(each.process, 0.0), each.used)
+        ours = time.process_time() - self._own + sum(used.values())
+        return max(0.0, (busy - self._busy - ours) / seconds)
+
+    def noise(self) -> Noise | None:
+        """What it comes to so far; None before the fixed job was run."""
+        return noise(self._beats, self._efforts, self.others()) if self._beats else None
+
+
+def noise(beats: Sequence[Beat], efforts: Sequence[Effort], others: float | None) -> Noise:
+    """What runs of the fixed job and timed runs, in their order, say of the machine, on which others used so many
+    processors."""
+    seconds = [each.cpu for each in beats]
+    median, quarter = statistics.median(seconds), len(seconds) // 4
+    spread = statistics.stdev(seconds) / median if len(seconds) > 1 else 0.0
+    drift = statistics.median(seconds[-quarter:]) / statistics.median(seconds[:quarter]) - 1.0 if quarter else 0.0
+    waited = waited_share(beats, efforts)
+    why = [
+        *([f"others used {others:.2g} of its processors"] if others is not None and others > MOST_OTHERS else []),
+        *([f"runs waited for a processor {100 * waited:.0f} % of their time"] if waited > MOST_WAITED else []),
+        *([f"the same work took {100 * spread:.0f} % more or less time"] if spread > MOST_SPREAD else []),
+    ]
+    if why:
+        told = f"The machine was loaded, so that times are not to be trusted: {'; '.join(why)}"
+    else:
+        used = "" if others is None else f"; others used {others:.2f} of its processors"
+        told = f"The machine was quiet{used}"
+    told += (
+        f". A fixed job of {1e3 * median:.3g} ms, run {len(seconds)} times between the pictures, varied by "
+        f"{100 * spread:.1f} % and was {100 * abs(drift):.1f} % {'slower' if drift >= 0 else 'faster'} at the end."
+    )
+    return Noise(len(seconds), median, spread, drift, max(seconds) / median, bool(why), told)
+
+
+def waited_share(beats: Sequence[Beat], efforts: Sequence[Effort]) -> float:
+    """The share of the time on the wall for which what was timed did not run. Of runs that leave the work to another
+    program nothing can be told: they wait for that."""
+    pairs = [(each.wall, each.cpu) for each in beats]
+    pairs += [(each.wall, each.own) for each in efforts if 2.0 * each.own > each.wall]
+    wall = sum(each for each, _ in pairs)
+    return max(0.0, 1.0 - sum(cpu for _, cpu in pairs) / wall) if wall > 0.0 else 0.0
