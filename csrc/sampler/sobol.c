@@ -7,11 +7,14 @@
  *   owen    nested uniform scrambling (Owen 1995) by the hash of owen.h, which says how uniform it is: all 128 ways of
  *           flipping the first three digits equally often, in each dimension. Any such hash keeps nets nets; the tests
  *           hold that.
+ *   owen-full  the same with a flip of its own for every prefix of digits, by owen_full.h: all 2^32 - 1 ways of each
+ *           dimension independent, at some times the cost.
  * Values have 32 bits: they are multiples of 2^-32 (but for shift). */
 #include <stdlib.h>
 #include <string.h>
 
 #include "owen.h"
+#include "owen_full.h"
 #include "pattern.h"
 #include "sobol_directions.h"
 #include "tile.h"
@@ -23,7 +26,7 @@
 #define BYTES 4
 #define QUAD ASC_TILE_COLUMNS
 
-enum { SCRAMBLE_NONE, SCRAMBLE_SHIFT, SCRAMBLE_DIGIT, SCRAMBLE_OWEN };
+enum { SCRAMBLE_NONE, SCRAMBLE_SHIFT, SCRAMBLE_DIGIT, SCRAMBLE_OWEN, SCRAMBLE_OWEN_FULL };
 
 /* Four dimensions. A point's bits are the XOR of the directions of its index's bits: `byte` has those XORs for the 256
  * values of each eight bits of an index, the four dimensions side by side; `low` has them again for the lowest four
@@ -99,6 +102,11 @@ ASC_INLINE void draw_bits(asc_key key, uint32_t quad_index, uint32_t bits[QUAD])
     bits[d + 1] = (uint32_t)(drawn >> 32);
   }
 }
+/* What owen_full.h takes for a dimension of a quad. */
+ASC_INLINE uint64_t full_start(asc_key key, uint32_t quad_index, uint32_t dimension) {
+  return asc_draw(key, quad_index * QUAD + dimension, ASC_PURPOSE_SCRAMBLE);
+}
+
 /* The XOR of the directions of an index's bits. */
 ASC_INLINE void add_directions(const quad *of, uint32_t index, uint32_t bits[QUAD]) {
   for (uint32_t k = 0; k < BYTES; k++)
@@ -137,13 +145,15 @@ typedef struct owen_run {
 /* --- one point ------------------------------------------------------------------------------------------------------
  */
 
-/* All four dimensions of one point, not scrambled by owen. */
+/* All four dimensions of one point, not scrambled by owen (but by owen-full). */
 ASC_VECTORISE
 static void make_plain_point(const quad *of, uint32_t quad_index, uint32_t index, int scramble, asc_key key,
                              double values[QUAD]) {
   uint32_t bits[QUAD] = {0}, random[QUAD] = {0};
   add_directions(of, index, bits);
   if (scramble == SCRAMBLE_DIGIT) draw_bits(key, quad_index, random);
+  if (scramble == SCRAMBLE_OWEN_FULL)
+    for (uint32_t d = 0; d < QUAD; d++) bits[d] = asc_owen_full(bits[d], full_start(key, quad_index, d));
   for (uint32_t d = 0; d < QUAD; d++) values[d] = asc_unit_of_bits(bits[d] ^ random[d]);
   if (scramble == SCRAMBLE_SHIFT)
     for (uint32_t d = 0; d < QUAD; d++) values[d] = asc_rotate(values[d], asc_rotation(key, quad_index * QUAD + d));
@@ -168,24 +178,33 @@ ASC_INLINE void plain_column(const uint32_t low[ASC_LANES], uint32_t high, doubl
   for (int i = 0; i < ASC_LANES; i++) values[i] = asc_unit_of_bits(high ^ low[i]);
 }
 
+ASC_INLINE void full_column(const uint32_t low[ASC_LANES], uint32_t high, uint64_t start, double values[ASC_LANES]) {
+  ASC_LANES_LOOP
+  for (int i = 0; i < ASC_LANES; i++) values[i] = asc_unit_of_bits(asc_owen_full(high ^ low[i], start));
+}
+
 ASC_INLINE void rotate_column(double shift, double values[ASC_LANES]) {
   ASC_LANES_LOOP
   for (int i = 0; i < ASC_LANES; i++) values[i] = asc_rotate(values[i], shift);
 }
 
-/* The columns [begin, end) of one quad of the samples [first, last], not scrambled by owen. */
+/* The columns [begin, end) of one quad of the samples [first, last], not scrambled by owen (but by owen-full). */
 ASC_VECTORISE
 static void make_columns(const quad *of, uint32_t quad_index, int scramble, asc_key key, uint32_t begin, uint32_t end,
                          uint32_t first, uint32_t last, double *points, size_t stride) {
   uint32_t random[QUAD] = {0};
   double shift[QUAD];
+  uint64_t start[QUAD];
+  const int full = scramble == SCRAMBLE_OWEN_FULL;
   if (scramble == SCRAMBLE_DIGIT) draw_bits(key, quad_index, random);
   for (uint32_t d = 0; d < QUAD; d++) shift[d] = asc_rotation(key, quad_index * QUAD + d);
+  for (uint32_t d = 0; d < QUAD && full; d++) start[d] = full_start(key, quad_index, d);
   for (uint32_t block = first / ASC_LANES; block <= last / ASC_LANES; block++) {
     asc_tile tile;
     uint32_t high[QUAD] = {0};
     add_directions(of, block * ASC_LANES, high);
-    for (uint32_t d = begin; d < end; d++) plain_column(of->low[d], high[d] ^ random[d], tile.column[d]);
+    for (uint32_t d = begin; d < end && full; d++) full_column(of->low[d], high[d], start[d], tile.column[d]);
+    for (uint32_t d = begin; d < end && !full; d++) plain_column(of->low[d], high[d] ^ random[d], tile.column[d]);
     for (uint32_t d = begin; d < end && scramble == SCRAMBLE_SHIFT; d++) rotate_column(shift[d], tile.column[d]);
     const uint32_t from = block == first / ASC_LANES ? first % ASC_LANES : 0;
     const uint32_t to = block == last / ASC_LANES ? last % ASC_LANES + 1 : ASC_LANES;
@@ -299,8 +318,10 @@ static asc_status sobol_fill_pixels(const void *opaque, const asc_range *range, 
 }
 
 static const asc_parameter sobol_parameters[] = {
-    {"scramble", ASC_CHOICE, "none|shift|digit|owen", 0, 0, SCRAMBLE_NONE,
-     "none, a random shift modulo 1, a random digital shift, or Owen's nested uniform scrambling"},
+    {"scramble", ASC_CHOICE, "none|shift|digit|owen|owen-full", 0, 0, SCRAMBLE_NONE,
+     "none, a random shift modulo 1, a random digital shift, or Owen's nested uniform scrambling: by a hash, or with "
+     "each "
+     "of its flips drawn"},
 };
 
 const asc_sampler_interface asc_sampler_sobol = {

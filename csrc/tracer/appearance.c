@@ -54,6 +54,9 @@ static asc_status take_materials(tracer *made, const asc_scene *scene, asc_error
     made->plain = 0;
     made->has_patterns = 1;
     for (int axis = 0; axis < 3; axis++) pattern->origin[axis] -= scene->view.eye[axis];
+    if (pattern->kind != ASC_PATTERN_ZONE_PLATE) continue;
+    const double from_eye[3] = {pattern->origin[0], pattern->origin[1], pattern->origin[2]};
+    tracer_to_camera_direction(&made->view, from_eye, pattern->origin);
   }
   return ASC_OK;
 }

@@ -19,21 +19,31 @@ typedef struct cursor {
   uint64_t sample;
 } cursor;
 
+/* Rows one after the other that saw the same. */
+typedef struct run {
+  size_t end; /* one past the last */
+  int alone;  /* whether the paint, and `mix` where that is patterned, say what they saw; else `radiance` does */
+  paint paint;
+} run;
+
 /* Samples that were drawn, and are not added up yet, each a row. */
 struct block_work {
   packet rays;
   alignas(64) double sample_x[PADDED_ROWS];
   alignas(64) double sample_y[PADDED_ROWS];
+  alignas(64) double mix[PADDED_ROWS];         /* of runs alone */
   alignas(64) double lens[PADDED_ROWS][2];     /* where there is one */
   alignas(64) double radiance[PADDED_ROWS][4]; /* as a packet's */
-  double weights[MOST_ROWS];                   /* N times the samples' weights; not set where they are all 1 */
-  sight sights[PADDED_ROWS / PACKET];          /* by packet */
-  double *points;                              /* [MOST_ROWS][dimensions] */
+  film_cell sum[BLOCK_SIDE * BLOCK_SIDE];
+  double weights[MOST_ROWS]; /* N times the samples' weights; not set where they are all 1 */
+  run runs[PADDED_ROWS / PACKET];
+  sight sights[PADDED_ROWS / PACKET]; /* by packet */
+  double *points;                     /* [MOST_ROWS][dimensions] */
   uint32_t dimensions;
   int weighted;
+  int single;       /* sums are kept in float */
   uint64_t samples; /* a pixel */
   block area;
-  film_cell sum[BLOCK_SIDE * BLOCK_SIDE];
   const film *target; /* NULL: samples go to `sum` */
   const film_pixel *cells;
 };
@@ -44,6 +54,7 @@ block_work *block_work_make(const tracer *made) {
   memset(memory, 0, sizeof *memory);
   packet_begin(&memory->rays);
   memory->dimensions = tracer_dimensions(made);
+  memory->single = made->options.film == TRACER_FILM_FLOAT;
   memory->points = malloc((size_t)MOST_ROWS * memory->dimensions * sizeof(double));
   if (!memory->points) {
     block_work_free(memory);
@@ -156,12 +167,16 @@ static void cast(const tracer *made, size_t first, uint32_t count, block_work *m
  * wait for each other, so that the machine has several under way. */
 static void trace(const tracer *made, size_t rows, block_work *memory) {
   for (size_t i = 0; i < rows; i += PACKET) cast(made, i, rows - i < PACKET ? (uint32_t)(rows - i) : PACKET, memory);
-  for (size_t first = 0, end; first < rows; first = end) {
+  run *to = memory->runs;
+  for (size_t first = 0; first < rows; first = to++->end) {
     const sight seen = memory->sights[first / PACKET];
-    for (end = first + PACKET; end < rows && shine_same(seen, memory->sights[end / PACKET]);) end += PACKET;
-    const sample_rows of = {end - first, memory->sample_x + first, memory->sample_y + first,
+    to->end = first + PACKET;
+    while (to->end < rows && shine_same(seen, memory->sights[to->end / PACKET])) to->end += PACKET;
+    const sample_rows of = {to->end - first, memory->sample_x + first, memory->sample_y + first,
                             (const double(*)[2])memory->lens + first, memory->radiance + first};
-    if (seen.one) shine_take(made, seen, &of);
+    to->alone = !memory->target && !memory->single && shine_paint(made, seen, &to->paint);
+    if (!to->alone && seen.one) shine_take(made, seen, &of);
+    if (to->alone && to->paint.patterned) shine_mix(made, seen, &of, memory->mix + first);
   }
 }
 
@@ -184,22 +199,73 @@ static void add_to_film(block_work *memory, cursor *at, size_t rows) {
   }
 }
 
-/* A pixel's sum is kept aside meanwhile, as each addition would wait for the store of the one before. */
+#define SUMS 4
+
+/* A pixel's sum is kept aside meanwhile, and as several, as each addition would wait for the one before. */
 ASC_VECTORISE static void add_rows(const double (*radiance)[4], const double *weights, size_t count, film_cell *into) {
-  film_cell sum = *into;
+  film_cell sums[SUMS] = {*into}, more[SUMS];
+  size_t i = 0;
+  for (; i + SUMS <= count; i += SUMS) {
+    memcpy(more, radiance[i], sizeof more);
+    for (size_t k = 0; k < SUMS; k++) sums[k] += weights ? weights[i + k] * more[k] : more[k];
+  }
+  for (; i < count; i++) {
+    memcpy(more, radiance[i], sizeof *more);
+    sums[0] += weights ? weights[i] * more[0] : more[0];
+  }
+  *into = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
+/* The sum of numbers, each times its weight, in 8 parts; of the weights alone where there are no numbers. */
+ASC_INLINE double sum_of(const double *numbers, const double *weights, size_t count) {
+  double sums[8] = {0.0};
+  size_t i = 0;
+  for (; i + 8 <= count; i += 8) {
+    ASC_LANES_LOOP
+    for (size_t k = 0; k < 8; k++) sums[k] += (numbers ? numbers[i + k] : 1.0) * (weights ? weights[i + k] : 1.0);
+  }
+  for (; i < count; i++) sums[0] += (numbers ? numbers[i] : 1.0) * (weights ? weights[i] : 1.0);
+  for (size_t k = 0; k < 4; k++) sums[k] += sums[k + 4];
+  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
+/* `mix` is NULL of what is not patterned, `weights` where they are 1. */
+ASC_VECTORISE static void add_paint(const paint *of, const double *mix, const double *weights, size_t count,
+                                    film_cell *into) {
+  film_cell base, change;
+  memcpy(&base, of->base, sizeof base);
+  *into += base * (weights ? sum_of(NULL, weights, count) : (double)count);
+  if (!mix) return;
+  memcpy(&change, of->change, sizeof change);
+  *into += change * (weights ? sum_of(mix, weights, count) : sum_of(mix, NULL, count));
+}
+
+/* The same in float, to a sum that is one of floats. */
+ASC_VECTORISE static void add_rows_single(const double (*radiance)[4], const double *weights, size_t count,
+                                          film_cell *into) {
+  film_cell_single sum = __builtin_convertvector(*into, film_cell_single);
   for (size_t i = 0; i < count; i++) {
     film_cell more;
     memcpy(&more, radiance[i], sizeof more);
-    sum += weights ? weights[i] * more : more;
+    sum += __builtin_convertvector(weights ? weights[i] * more : more, film_cell_single);
   }
-  *into = sum;
+  *into = __builtin_convertvector(sum, film_cell);
 }
 
 static void add_to_sums(block_work *memory, cursor *at, size_t rows) {
+  const run *in = memory->runs;
   for (size_t i = 0, count; i < rows; i += count) {
+    if (i == in->end) in++;
+    const double *weights = memory->weighted ? memory->weights + i : NULL;
     film_cell *into = &memory->sum[at->pixel];
-    count = advance(at, memory->samples, rows - i);
-    add_rows((const double(*)[4])memory->radiance + i, memory->weighted ? memory->weights + i : NULL, count, into);
+    const double(*radiance)[4] = (const double(*)[4])memory->radiance + i;
+    count = advance(at, memory->samples, (in->end < rows ? in->end : rows) - i);
+    if (in->alone)
+      add_paint(&in->paint, in->paint.patterned ? memory->mix + i : NULL, weights, count, into);
+    else if (memory->single)
+      add_rows_single(radiance, weights, count, into);
+    else
+      add_rows(radiance, weights, count, into);
   }
 }
 

@@ -1,5 +1,6 @@
 #include "direct.h"
 
+#include "traverse.h"
 #include "vectorise.h"
 
 /* What the lanes' surfaces scatter of a light to the eye, but for its cosine. */
@@ -45,7 +46,7 @@ int direct_trace_shadows(const tracer *made, packet *rays, const vectors *origin
     if (meeting_planes_block(made, rays->time[i], from, way, distance[i])) rays->shadowed[i] = 0;
   }
   for (uint32_t i = 0; i < PACKET; i++) count -= rays->shadowed[i];
-  if (count > 0) rtcOccluded16(rays->shadowed, made->scene, context, &rays->shadows);
+  if (count > 0) traverse_any(made, rays->shadowed, context, &rays->shadows);
   rays->counts.shadow += (uint64_t)count;
   return count;
 }

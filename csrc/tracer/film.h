@@ -28,8 +28,10 @@
 
 /* weight x radiance, weight. As a vector, of GCC and Clang, since loops over four are vectorised badly. */
 typedef double film_cell __attribute__((vector_size(4 * sizeof(double))));
+typedef float film_cell_single __attribute__((vector_size(4 * sizeof(float))));
 
 typedef struct film {
+  tracer_film kept; /* what its cells are: film_cell, or film_cell_single */
   const asc_filter *filter;
   double radius;
   uint64_t samples;       /* a pixel */
@@ -39,11 +41,12 @@ typedef struct film {
   uint32_t width, height; /* of the picture */
   uint32_t across, down;  /* tiles */
   uint32_t rows;          /* of tiles in a band */
-  film_cell *cells;       /* [rows + 1][across][tile's]; row r of tiles in slot r % (rows + 1) */
+  void *cells;            /* [rows + 1][across][tile's]; row r of tiles in slot r % (rows + 1) */
 } film;
 
 /* ASC_OUT_OF_MEMORY. */
-asc_status film_make(film *made, const asc_filter *filter, uint32_t width, uint32_t height, uint64_t samples);
+asc_status film_make(film *made, tracer_film kept, const asc_filter *filter, uint32_t width, uint32_t height,
+                     uint64_t samples);
 void film_free(film *made);
 
 /* The pixels of a tile that are sampled: [x, x + columns) x [y, y + rows). */
@@ -57,7 +60,7 @@ film_tile film_begin(const film *of, uint32_t column, uint32_t row);
 
 /* The cells of one sampled pixel: weighted, those of other pixels around it, and its own plain sum. */
 typedef struct film_pixel {
-  film_cell *weighted, *plain;
+  void *weighted, *plain;
 } film_pixel;
 
 /* The cells of pixel (x, y) of a tile. */

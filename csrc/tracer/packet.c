@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "path.h"
+#include "traverse.h"
 #include "vectorise.h"
 
 void packet_begin(packet *rays) {
@@ -78,7 +79,7 @@ void packet_cast(const tracer *made, packet *rays) {
   make_rays(&made->view, rays);
   if (made->view.lens_radius > 0.0) move_to_lens(&made->view, rays);
   if (made->motion_count > 0) set_times(made, rays);
-  rtcIntersect16(rays->valid, made->scene, &rays->context, &rays->rays);
+  traverse_closest(made, rays->valid, &rays->context, &rays->rays);
 }
 
 void packet_shade(const tracer *made, packet *rays) {

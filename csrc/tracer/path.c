@@ -6,14 +6,14 @@
 #include "direct.h"
 #include "emitted.h"
 #include "emitter.h"
+#include "eye.h"
 #include "vectorise.h"
 
 /* The rays from the eye, again in double. */
 ASC_VECTORISE static void set_eye_rays(const asc_view *restrict view, packet *restrict rays) {
   const int perspective = view->projection == ASC_PERSPECTIVE;
   for (uint32_t i = 0; i < PACKET; i++) {
-    const double u = (2.0 * (rays->sample_x[i] - view->shift[0]) / view->width - 1.0) * view->half_width;
-    const double v = (1.0 - 2.0 * (rays->sample_y[i] - view->shift[1]) / view->height) * view->half_height;
+    const double u = eye_right(view, rays->sample_x[i]), v = eye_up(view, rays->sample_y[i]);
     rays->origin.row[0][i] = perspective ? 0.0 : u;
     rays->origin.row[1][i] = perspective ? 0.0 : v;
     rays->origin.row[2][i] = 0.0;
@@ -27,7 +27,7 @@ ASC_VECTORISE static void move_to_lens(const asc_view *restrict view, packet *re
   for (uint32_t i = 0; i < PACKET; i++) {
     for (int axis = 0; axis < 2; axis++) {
       rays->origin.row[axis][i] = rays->lens[i][axis];
-      rays->direction.row[axis][i] -= rays->lens[i][axis] / view->focus_distance;
+      rays->direction.row[axis][i] -= eye_turn(view, rays->lens[i][axis]);
     }
   }
 }
@@ -102,7 +102,7 @@ static void follow(const tracer *made, packet *rays) {
     if (!arrive(made, rays, bounce, &met)) return;
     direct_add_lights(made, rays, &met, context);
     if (bounce == made->transport.bounces) return;
-    bounce_set_chances(&made->transport, rays, &met, bounce);
+    if (!bounce_set_chances(&made->transport, rays, &met, bounce)) return;
     emitted_add(made, rays, &met, context);
     if (!bounce_go_on(made, rays, &met, bounce)) return;
   }

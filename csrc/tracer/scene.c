@@ -171,7 +171,7 @@ asc_status tracer_take_geometry(tracer *made, const asc_scene *scene, asc_error 
   made->scene = rtcNewScene(made->device);
   if (!made->scene) return asc_fail(error, ASC_UNAVAILABLE, "Embree made no scene");
   /* Robust: rays along an edge that two triangles share must not slip between them. */
-  rtcSetSceneFlags(made->scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(made->scene, made->options.not_robust ? RTC_SCENE_FLAG_NONE : RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(made->scene, RTC_BUILD_QUALITY_HIGH);
   asc_status status = take_triangles(made, scene, error);
   if (status == ASC_OK) status = take_discs(made, scene, error);

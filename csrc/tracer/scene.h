@@ -60,13 +60,15 @@ typedef struct transport {
 typedef struct mesh_frames mesh_frames;
 
 struct tracer {
+  tracer_options options; /* each as it is, the defaults too */
   RTCDevice device;
   RTCScene scene;
   asc_view view;
   lens lens;
   layout further;
   transport transport;
-  asc_material *materials; /* pattern origins relative to the eye, along the world's axes */
+  asc_material *materials; /* pattern origins relative to the eye: of rings in the camera's frame, of checks
+                              along the world's axes, as their cells are */
   size_t material_count;
   int has_patterns;
   light_source *lights;

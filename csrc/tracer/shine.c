@@ -1,19 +1,20 @@
 #include "shine.h"
 
 #include "arithmetic.h"
+#include "eye.h"
+#include "surface_pattern.h"
 
 /* As many samples are shaded together as have their steps under way at once, and are still in the nearest cache. */
+/* As many samples are shaded together as have their steps under way at once, and are still in the nearest cache; whole
+ * packets. */
 #define TILE 64
 typedef double row[TILE];
 
 /* Some samples, and a surface where their rays meet its plane. */
 typedef struct tile {
-  alignas(64) row u;
-  alignas(64) row v; /* where the rays are at distance 1, or all along */
   alignas(64) row distance;
-  alignas(64) row point[3]; /* then from the pattern's origin, along the world's axes */
-  alignas(64) row mix;      /* the share of the pattern's second colour */
-  alignas(64) row nearest;  /* distance, of what is seen so far */
+  alignas(64) row nearest; /* distance, of what is seen so far */
+  double *mix;             /* the share of the pattern's second colour */
   sample_rows of;
   const asc_view *view;
   const asc_material *material;
@@ -36,8 +37,30 @@ sight shine_see(const tracer *made, const packet *rays) {
   return (sight){made->plain || geometry != SPHERES, geometry, hit->primID[0]};
 }
 
-/* --- one colour -----------------------------------------------------------------------------------------------------
+/* --- one surface alone ----------------------------------------------------------------------------------------------
  */
+
+/* The material that is seen; NULL: the background. */
+static const asc_material *material_of(const tracer *made, sight seen) {
+  if (seen.geometry == RTC_INVALID_GEOMETRY_ID) return NULL;
+  const surface met = tracer_surface(made, seen.geometry, seen.primitive);
+  return &made->materials[made->material_of[met.kind][met.number]];
+}
+
+static int is_alone(const tracer *made) { return made->plain || made->plane_count == 0; }
+
+int shine_paint(const tracer *made, sight seen, paint *found) {
+  if (!seen.one || !is_alone(made)) return 0;
+  const asc_material *material = material_of(made, seen);
+  const asc_pattern *pattern = material && material->pattern.kind != ASC_PATTERN_NONE ? &material->pattern : NULL;
+  *found = (paint){.patterned = pattern != NULL};
+  for (int channel = 0; channel < 3; channel++) {
+    const double shines = material ? material->emission[channel] : made->view.background[channel];
+    found->base[channel] = shines * (pattern ? pattern->low[channel] : 1.0);
+    if (pattern) found->change[channel] = shines * (pattern->high[channel] - pattern->low[channel]);
+  }
+  return 1;
+}
 
 ASC_VECTORISE static void fill(const double from[3], const sample_rows *of) {
   const double colour[4] = {from[0], from[1], from[2], 0.0};
@@ -45,116 +68,111 @@ ASC_VECTORISE static void fill(const double from[3], const sample_rows *of) {
 }
 
 static void take_colour(const tracer *made, sight seen, const sample_rows *of) {
-  if (seen.geometry == RTC_INVALID_GEOMETRY_ID) {
-    fill(made->view.background, of);
-    return;
-  }
-  const surface met = tracer_surface(made, seen.geometry, seen.primitive);
-  fill(made->materials[made->material_of[met.kind][met.number]].emission, of);
+  const asc_material *material = material_of(made, seen);
+  fill(material ? material->emission : made->view.background, of);
 }
 
 /* --- patterns -------------------------------------------------------------------------------------------------------
  */
 
-/* As path.c has the rays. */
-ASC_VECTORISE static void set_rays(tile *restrict on) {
-  const asc_view *view = on->view;
-  const double width = view->width, height = view->height, half_width = view->half_width,
-               half_height = view->half_height, right = view->shift[0], down = view->shift[1];
-  const double *restrict x = on->of.x, *restrict y = on->of.y;
-  for (size_t i = 0; i < on->of.count; i++) {
-    on->u[i] = (quotient(2.0 * (x[i] - right), width, 1.0 / width) - 1.0) * half_width;
-    on->v[i] = (1.0 - quotient(2.0 * (y[i] - down), height, 1.0 / height)) * half_height;
-  }
-}
+/* How rays leave the eye; FACING: side by side, square to the plane, which is as far everywhere. */
+enum { FACING, SLANTING, FROM_EYE, FROM_LENS };
 
-/* Where the rays meet a plane. Beside it they are given a distance that is not in front of the eye. */
-ASC_VECTORISE static void meet_along(double normal_x, double normal_y, double along, double offset, tile *restrict on) {
-  for (size_t i = 0; i < on->of.count; i++) {
-    const double u = on->u[i], v = on->v[i];
-    const double t = (offset - (normal_x * u + normal_y * v)) / (along == 0.0 ? 1.0 : along);
-    on->distance[i] = along == 0.0 ? -1.0 : t;
-    on->point[0][i] = u;
-    on->point[1][i] = v;
-    on->point[2][i] = t;
-  }
-}
-
-ASC_VECTORISE static void meet_from_eye(const plane *with, tile *restrict on) {
-  const plane met = *with;
-  for (size_t i = 0; i < on->of.count; i++) {
-    const double direction[3] = {on->u[i], on->v[i], 1.0};
-    const double along = dot(met.normal, direction);
-    const double t = met.offset / (along == 0.0 ? 1.0 : along);
-    on->distance[i] = along == 0.0 ? -1.0 : t;
-    for (int axis = 0; axis < 3; axis++) on->point[axis][i] = t * direction[axis];
-  }
-}
-
-ASC_VECTORISE static void meet_from_lens(const plane *with, tile *restrict on) {
-  const plane met = *with;
-  const double focus_distance = on->view->focus_distance;
-  for (size_t i = 0; i < on->of.count; i++) {
-    const double origin[3] = {on->of.lens[i][0], on->of.lens[i][1], 0.0};
-    const double direction[3] = {on->u[i] - origin[0] / focus_distance, on->v[i] - origin[1] / focus_distance, 1.0};
-    const double along = dot(met.normal, direction);
-    const double t = (met.offset - dot(met.normal, origin)) / (along == 0.0 ? 1.0 : along);
-    on->distance[i] = along == 0.0 ? -1.0 : t;
-    for (int axis = 0; axis < 3; axis++) on->point[axis][i] = origin[axis] + t * direction[axis];
-  }
-}
-
-static void meet(const plane *with, tile *on) {
-  if (on->view->projection == ASC_ORTHOGRAPHIC)
-    meet_along(with->normal[0], with->normal[1], with->normal[2], with->offset, on);
-  else if (on->view->lens_radius > 0.0)
-    meet_from_lens(with, on);
-  else
-    meet_from_eye(with, on);
-}
-
-ASC_VECTORISE static void move_to_pattern(tile *restrict on) {
-  const asc_view in = *on->view;
-  const double *origin = on->material->pattern.origin, from[3] = {origin[0], origin[1], origin[2]};
-  for (size_t i = 0; i < on->of.count; i++) {
-    const double x = on->point[0][i], y = on->point[1][i], z = on->point[2][i];
+/* Where a sample's ray meets a plane, and how far away, or, for one along the plane, a distance that is not in front of
+ * the eye. As path.c and meeting.c have it. */
+ASC_INLINE double meet(int from, const asc_view *view, const plane *met, const sample_rows *of, size_t i,
+                       double point[3]) {
+  const double u = eye_right(view, of->x[i]), v = eye_up(view, of->y[i]);
+  double origin[3] = {0.0, 0.0, 0.0}, direction[3] = {u, v, 1.0}, along, t;
+  if (from == FACING || from == SLANTING) {
+    along = met->normal[2];
+    const double aside = from == FACING ? 0.0 : met->normal[0] * u + met->normal[1] * v;
+    t = (met->offset - aside) / (along == 0.0 ? 1.0 : along);
+    point[0] = u;
+    point[1] = v;
+    point[2] = t;
+  } else {
+    for (int axis = 0; axis < 2 && from == FROM_LENS; axis++) {
+      origin[axis] = of->lens[i][axis];
+      direction[axis] -= eye_turn(view, origin[axis]);
+    }
+    along = dot(met->normal, direction);
+    const double ahead = from == FROM_LENS ? met->offset - dot(met->normal, origin) : met->offset;
+    t = ahead / (along == 0.0 ? 1.0 : along);
     for (int axis = 0; axis < 3; axis++)
-      on->point[axis][i] = in.right[axis] * x + in.up[axis] * y + in.forward[axis] * z - from[axis];
+      point[axis] = from == FROM_LENS ? origin[axis] + t * direction[axis] : t * direction[axis];
+  }
+  return along == 0.0 ? -1.0 : t;
+}
+
+/* Distances and mixes of all samples, of rings the phases. Gives the most that a phase can be, 0 of other patterns. The
+ * loops take copies: what is only pointed to could change with each store. */
+ASC_INLINE double meet_all(int from, asc_pattern_kind kind, const plane *with, tile *restrict on) {
+  const asc_view view = *on->view;
+  const asc_pattern pattern = on->material->pattern;
+  const plane met = *with;
+  const sample_rows of = on->of;
+  double *restrict mix = on->mix;
+  double sums[PACKET] = {0.0}, most = 0.0;
+  for (size_t first = 0; first < of.count; first += PACKET) {
+    ASC_LANES_LOOP
+    for (size_t lane = 0; lane < PACKET; lane++) {
+      const size_t i = first + lane;
+      double point[3];
+      on->distance[i] = meet(from, &view, &met, &of, i, point);
+      if (kind == ASC_PATTERN_NONE) mix[i] = 0.0;
+      if (kind == ASC_PATTERN_CHECKER) mix[i] = pattern_parity(&view, &pattern, point);
+      if (kind == ASC_PATTERN_ZONE_PLATE) {
+        mix[i] = pattern_phase(&pattern, point);
+        sums[lane] += fabs(mix[i]);
+      }
+    }
+  }
+  for (size_t lane = 0; lane < PACKET && kind == ASC_PATTERN_ZONE_PLATE; lane++) most += sums[lane];
+  return most;
+}
+
+ASC_VECTORISE static double meet_none(int from, const plane *with, tile *restrict on) {
+  if (from == FACING) return meet_all(FACING, ASC_PATTERN_NONE, with, on);
+  if (from == SLANTING) return meet_all(SLANTING, ASC_PATTERN_NONE, with, on);
+  if (from == FROM_EYE) return meet_all(FROM_EYE, ASC_PATTERN_NONE, with, on);
+  return meet_all(FROM_LENS, ASC_PATTERN_NONE, with, on);
+}
+
+ASC_VECTORISE static double meet_checks(int from, const plane *with, tile *restrict on) {
+  if (from == FACING) return meet_all(FACING, ASC_PATTERN_CHECKER, with, on);
+  if (from == SLANTING) return meet_all(SLANTING, ASC_PATTERN_CHECKER, with, on);
+  if (from == FROM_EYE) return meet_all(FROM_EYE, ASC_PATTERN_CHECKER, with, on);
+  return meet_all(FROM_LENS, ASC_PATTERN_CHECKER, with, on);
+}
+
+ASC_VECTORISE static double meet_rings(int from, const plane *with, tile *restrict on) {
+  if (from == FACING) return meet_all(FACING, ASC_PATTERN_ZONE_PLATE, with, on);
+  if (from == SLANTING) return meet_all(SLANTING, ASC_PATTERN_ZONE_PLATE, with, on);
+  if (from == FROM_EYE) return meet_all(FROM_EYE, ASC_PATTERN_ZONE_PLATE, with, on);
+  return meet_all(FROM_LENS, ASC_PATTERN_ZONE_PLATE, with, on);
+}
+
+ASC_VECTORISE static void mix_rings(size_t count, double *mix) {
+  for (size_t first = 0; first < count; first += PACKET) {
+    ASC_LANES_LOOP
+    for (size_t i = first; i < first + PACKET; i++) mix[i] = havercosine(mix[i]);
   }
 }
 
-/* Gives whether all phases are small enough for `cosine`; else sets them alone. */
-ASC_VECTORISE static int mix_rings(tile *restrict on) {
-  const double scale = on->material->pattern.scale;
-  int far = 0;
-  for (size_t i = 0; i < on->of.count; i++) {
-    const double away[3] = {on->point[0][i], on->point[1][i], on->point[2][i]};
-    on->mix[i] = scale * dot(away, away);
-    far |= !(fabs(on->mix[i]) <= COSINE_MOST);
+static void meet_pattern(const plane *with, tile *on) {
+  const asc_view *view = on->view;
+  const int facing = with->normal[0] == 0.0 && with->normal[1] == 0.0 ? FACING : SLANTING;
+  const int from = view->projection == ASC_ORTHOGRAPHIC ? facing : view->lens_radius > 0.0 ? FROM_LENS : FROM_EYE;
+  switch (on->material->pattern.kind) {
+  case ASC_PATTERN_NONE: (void)meet_none(from, with, on); return;
+  case ASC_PATTERN_CHECKER: (void)meet_checks(from, with, on); return;
+  case ASC_PATTERN_ZONE_PLATE:
+    if (meet_rings(from, with, on) <= HAVERCOSINE_MOST)
+      mix_rings(on->of.count, on->mix);
+    else
+      for (size_t i = 0; i < on->of.count; i++) on->mix[i] = havercosine_of_any(on->mix[i]);
   }
-  for (size_t i = 0; i < on->of.count && !far; i++) on->mix[i] = 0.5 * (1.0 + cosine(on->mix[i]));
-  return !far;
-}
-
-ASC_VECTORISE static void mix_checks(tile *restrict on) {
-  const double scale = on->material->pattern.scale;
-  for (size_t i = 0; i < on->of.count; i++) {
-    const double sum = floor(scale * on->point[0][i]) + floor(scale * on->point[1][i]) + floor(scale * on->point[2][i]);
-    on->mix[i] = sum - 2.0 * floor(0.5 * sum);
-  }
-}
-
-static void mix(tile *on) {
-  const asc_pattern *pattern = &on->material->pattern;
-  if (pattern->kind == ASC_PATTERN_NONE) {
-    memset(on->mix, 0, sizeof on->mix);
-    return;
-  }
-  move_to_pattern(on);
-  if (pattern->kind == ASC_PATTERN_CHECKER)
-    mix_checks(on);
-  else if (!mix_rings(on))
-    for (size_t i = 0; i < on->of.count; i++) on->mix[i] = 0.5 * (1.0 + cosine_of_any(on->mix[i]));
 }
 
 /* --- what is seen ---------------------------------------------------------------------------------------------------
@@ -179,24 +197,31 @@ ASC_VECTORISE static void show(int everywhere, tile *restrict on) {
   }
 }
 
-static void add_surface(const tracer *made, surface of, const plane *with, int everywhere, tile *on) {
-  on->material = &made->materials[made->material_of[of.kind][of.number]];
-  meet(with, on);
-  mix(on);
-  show(everywhere, on);
+static const plane *flat_of(const tracer *made, sight seen) {
+  const surface of = tracer_surface(made, seen.geometry, seen.primitive);
+  return of.kind == TRIANGLES ? &made->triangle_planes[of.number] : &made->disc_planes[of.number];
 }
 
 static void take_tile(const tracer *made, sight seen, tile *on) {
-  set_rays(on);
-  if (seen.geometry == RTC_INVALID_GEOMETRY_ID) {
+  on->material = material_of(made, seen);
+  if (on->material) {
+    meet_pattern(flat_of(made, seen), on);
+    show(1, on);
+  } else {
     fill(made->view.background, &on->of);
     for (size_t i = 0; i < on->of.count; i++) on->nearest[i] = INFINITY;
-  } else {
-    const surface of = tracer_surface(made, seen.geometry, seen.primitive);
-    const plane *with = of.kind == TRIANGLES ? &made->triangle_planes[of.number] : &made->disc_planes[of.number];
-    add_surface(made, of, with, 1, on);
   }
-  for (uint32_t i = 0; i < made->plane_count; i++) add_surface(made, (surface){PLANES, i}, &made->planes[i], 0, on);
+  for (uint32_t i = 0; i < made->plane_count; i++) {
+    on->material = &made->materials[made->material_of[PLANES][i]];
+    meet_pattern(&made->planes[i], on);
+    show(0, on);
+  }
+}
+
+/* Some of the samples. */
+static sample_rows tile_of(const sample_rows *of, size_t first) {
+  return (sample_rows){of->count - first < TILE ? of->count - first : TILE, of->x + first, of->y + first,
+                       of->lens + first, of->radiance + first};
 }
 
 void shine_take(const tracer *made, sight seen, const sample_rows *of) {
@@ -204,12 +229,24 @@ void shine_take(const tracer *made, sight seen, const sample_rows *of) {
     take_colour(made, seen, of);
     return;
   }
+  alignas(64) row mix;
   tile on;
   on.view = &made->view;
+  on.mix = mix;
   for (size_t first = 0; first < of->count; first += TILE) {
-    on.of = (sample_rows){of->count - first < TILE ? of->count - first : TILE, of->x + first, of->y + first,
-                          of->lens + first, of->radiance + first};
+    on.of = tile_of(of, first);
     take_tile(made, seen, &on);
+  }
+}
+
+void shine_mix(const tracer *made, sight seen, const sample_rows *of, double *mix) {
+  tile on;
+  on.view = &made->view;
+  on.material = material_of(made, seen);
+  for (size_t first = 0; first < of->count; first += TILE) {
+    on.of = tile_of(of, first);
+    on.mix = mix + first;
+    meet_pattern(flat_of(made, seen), &on);
   }
 }
 

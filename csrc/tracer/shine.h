@@ -27,6 +27,18 @@ typedef struct sample_rows {
   double (*radiance)[4];
 } sample_rows;
 
+/* What samples in a row see of one surface alone: base + change x the share of its pattern's second colour. */
+typedef struct paint {
+  double base[4], change[4];
+  int patterned; /* else the change is 0 */
+} paint;
+
+/* Gives 0 where more than one surface may be seen. */
+int shine_paint(const tracer *made, sight seen, paint *found);
+
+/* Sets the shares, of a patterned paint. */
+void shine_mix(const tracer *made, sight seen, const sample_rows *of, double *mix);
+
 /* Sets the radiance of samples. */
 void shine_take(const tracer *made, sight seen, const sample_rows *of);
 

@@ -23,7 +23,8 @@ double tracer_thread_cpu_seconds(void) { return seconds(CLOCK_THREAD_CPUTIME_ID)
 uint32_t tracer_embree_version(void) { return RTC_VERSION; }
 
 void tracer_describe(const tracer *made, tracer_kernel *kernel) {
-  const tracer_kernel found = {(uint32_t)rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION), PACKET,
+  const tracer_kernel found = {(uint32_t)rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_VERSION),
+                               made->options.packet,
                                rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)  ? 16
                                : rtcGetDeviceProperty(made->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) ? 8
                                                                                                                : 4,
@@ -31,13 +32,32 @@ void tracer_describe(const tracer *made, tracer_kernel *kernel) {
   *kernel = found;
 }
 
+static asc_status take_options(tracer *made, const tracer_options *given, asc_error *error) {
+  tracer_options *taken = &made->options;
+  if (given) *taken = *given;
+  if (given && given->struct_size != sizeof *given)
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_create_with: the options need their struct_size");
+  if (taken->packet == 0) taken->packet = PACKET;
+  if (taken->packet != 1 && taken->packet != 4 && taken->packet != 8 && taken->packet != PACKET)
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "packets of %u rays: there are those of 1, 4, 8 and 16",
+                    taken->packet);
+  if (taken->not_robust > 1 || (taken->film != TRACER_FILM_DOUBLE && taken->film != TRACER_FILM_FLOAT))
+    return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_create_with: an option has no such value");
+  return ASC_OK;
+}
+
 asc_status tracer_create(const asc_scene *scene, tracer **made, asc_error *error) {
+  return tracer_create_with(scene, NULL, made, error);
+}
+
+asc_status tracer_create_with(const asc_scene *scene, const tracer_options *options, tracer **made, asc_error *error) {
   if (!scene || scene->struct_size != sizeof *scene || !made)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_create: the scene needs its struct_size");
   *made = NULL;
   tracer *fresh = calloc(1, sizeof *fresh);
   if (!fresh) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
-  asc_status status = tracer_take_appearance(fresh, scene, error);
+  asc_status status = take_options(fresh, options, error);
+  if (status == ASC_OK) status = tracer_take_appearance(fresh, scene, error);
   if (status == ASC_OK) {
     /* One thread builds, so that the structure, and with it which of two touching surfaces is met, is always the
      * same. */
@@ -123,7 +143,7 @@ static asc_status render(const tracer *made, const tracer_desc *desc, uint64_t s
     return crew_run(made, threads, (view->height + BLOCK_SIDE - 1) / BLOCK_SIDE, render_row, &job, cost);
   }
   film target;
-  asc_status status = film_make(&target, desc->filter, view->width, view->height, samples);
+  asc_status status = film_make(&target, made->options.film, desc->filter, view->width, view->height, samples);
   if (status) return status;
   const uint64_t border = 2 * (uint64_t)target.reach;
   *all_samples = samples * (view->width + border) * (view->height + border);

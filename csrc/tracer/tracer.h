@@ -17,6 +17,33 @@ typedef struct tracer tracer;
 /* Builds the acceleration structure. ASC_UNAVAILABLE where Embree will not start, ASC_INVALID_ARGUMENT for a scene
  * that is not finite or names a material it does not have. */
 ASC_API asc_status tracer_create(const asc_scene *scene, tracer **made, asc_error *error);
+
+/* In what the samples of a picture are added up. */
+typedef enum tracer_film {
+  TRACER_FILM_DOUBLE = 0,
+  /* In float each of N additions may be off by half a unit in the last place of the sum so far: the mean of N samples,
+   * none negative, by (N - 1) 2^-24 of itself at most. Like samples are rounded alike, so that it may come to a good
+   * part of that. Every picture of more than one sample differs in last bits. */
+  TRACER_FILM_FLOAT = 1
+} tracer_film;
+
+/* What a tracer pays for safety and speed. 0: the default. */
+typedef struct tracer_options {
+  size_t struct_size;
+  /* Rays that Embree traces together: 1, 4, 8, 16 or 0: 16. Its kernels of each width round differently: the pictures
+   * are the same but where a sample lies within some roundings of an edge. */
+  uint32_t packet;
+  /* 1: without Embree's robust mode. Rays that meet an edge to within their roundings may then pass between the two
+   * triangles that share it (one in ten of those aimed at one; in robust mode none), or at a corner (one in four; in
+   * robust mode one in a hundred), and pictures of meshes may have samples of what lies behind. Others differ at edges,
+   * by roundings. */
+  uint32_t not_robust;
+  tracer_film film; /* of pictures with as many samples in every pixel; adaptive ones have the estimator's own sums */
+} tracer_options;
+
+/* The same with options, which may be NULL. ASC_INVALID_ARGUMENT too for options that there are not. */
+ASC_API asc_status tracer_create_with(const asc_scene *scene, const tracer_options *options, tracer **made,
+                                      asc_error *error);
 ASC_API void tracer_destroy(tracer *made);
 
 /* How many numbers each sample has: the dimensions that a sampler needs. What a scene does not ask for has none. In
@@ -60,9 +87,9 @@ typedef struct tracer_cost {
   uint64_t bounce_rays;     /* scattered by an albedo */
 } tracer_cost;
 
-/* Renders into `pixels`, [height][width][3] float, linear RGB, summed in double. With the box, each pixel's mean. With
- * another filter, samples count in all pixels whose filter holds them, and pixels beyond the picture's border are
- * sampled for those within; film.h says how a pixel is made of them. `cost` may be NULL. */
+/* Renders into `pixels`, [height][width][3] float, linear RGB, summed as the options say. With the box, each pixel's
+ * mean. With another filter, samples count in all pixels whose filter holds them, and pixels beyond the picture's
+ * border are sampled for those within; film.h says how a pixel is made of them. `cost` may be NULL. */
 ASC_API asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, tracer_cost *cost,
                                  asc_error *error);
 
@@ -85,7 +112,7 @@ ASC_API uint32_t tracer_embree_version(void);
 /* Of the Embree that is loaded, and of how a scene is traced with it. */
 typedef struct tracer_kernel {
   uint32_t version; /* as above */
-  uint32_t packet;  /* rays that are traced together */
+  uint32_t packet;  /* rays that are traced together: of the options */
   uint32_t native;  /* the largest packet that the machine's instructions hold: 4 (SSE), 8 (AVX) or 16 (AVX-512) */
   uint32_t robust;  /* 1: no ray passes between triangles that share an edge */
 } tracer_kernel;

@@ -139,6 +139,7 @@ class FittedRate:
 
     curved: the points lie on a bend, at 1 % significance; the interval then takes in the slopes of the bend at both
     ends, so that it holds the rate at least_n and at most_n. local: the slope at most_n, of the bend if there is one.
+    standard_error is that of the straight line's exponent, with `freedom` degrees of freedom.
     """
 
     exponent: float
@@ -149,14 +150,22 @@ class FittedRate:
     count: int
     curved: bool
     local: float
+    standard_error: float
+    freedom: float
 
 
-def fit_rate(counts: Sequence[int], errors: Sequence[float], standard_errors: Sequence[float]) -> FittedRate:
+def fit_rate(
+    counts: Sequence[int], errors: Sequence[float], standard_errors: Sequence[float], freedom: float = 0.0
+) -> FittedRate:
     """The power law through three or more (n, error), all above 0, by weighted least squares of the logarithms.
 
     Weights are those of the standard errors, or equal where one of them is 0. The interval is Student's, with the
     scatter about the line in it where that is larger than the standard errors account for (Birge 1932). Raises
     ValueError for fewer than three.
+
+    freedom: the degrees of freedom that the standard errors are known with, together; 0 where that is not known. With
+    it the scatter, unless it is larger than they account for at 1 % significance, and the standard errors are pooled,
+    which makes three points enough for a useful interval.
     """
     from scipy.special import stdtrit  # the quantiles alone; scipy.stats takes a second to load
 
@@ -167,25 +176,43 @@ def fit_rate(counts: Sequence[int], errors: Sequence[float], standard_errors: Se
     weighted = bool((spread > 0.0).all())
     spread = spread if weighted else np.ones_like(x)
     middle = float(np.average(x, weights=spread**-2.0))
-    line, line_error = _least_squares(x - middle, y, spread, 1, weighted)
-    half = float(stdtrit(len(x) - 2, 0.975)) * line_error
+    line, line_error, free = _least_squares(x - middle, y, spread, 1, weighted, freedom)
+    half = float(stdtrit(free, 0.975)) * line_error
     low, high, local, curved = line[1] - half, line[1] + half, line[1], False
     if len(x) >= 5:
-        bend, bend_error = _least_squares(x - middle, y, spread, 2, weighted)
-        if abs(bend[2]) > float(stdtrit(len(x) - 3, 0.995)) * bend_error:
+        bend, bend_error, bend_free = _least_squares(x - middle, y, spread, 2, weighted, freedom)
+        if abs(bend[2]) > float(stdtrit(bend_free, 0.995)) * bend_error:
             ends = [bend[1] + 2.0 * bend[2] * (end - middle) for end in (x.min(), x.max())]
             low, high, local, curved = min(low, *ends), max(high, *ends), ends[1], True
     constant = math.exp(line[0] - line[1] * middle)
-    return FittedRate(line[1], (low, high), constant, min(counts), max(counts), len(x), curved, local)
+    return FittedRate(line[1], (low, high), constant, min(counts), max(counts), len(x), curved, local, line_error, free)
 
 
 def _least_squares(
-    x: NDArray[np.float64], y: NDArray[np.float64], spread: NDArray[np.float64], degree: int, weighted: bool
-) -> tuple[list[float], float]:
-    """The coefficients of a polynomial, constant first, and the standard error of the last."""
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    spread: NDArray[np.float64],
+    degree: int,
+    weighted: bool,
+    freedom: float,
+) -> tuple[list[float], float, float]:
+    """The coefficients of a polynomial, constant first, the standard error of the last, its degrees of freedom."""
     design = np.vander(x, degree + 1, increasing=True) / spread[:, None]
     covariance = np.linalg.inv(design.T @ design)
     found = covariance @ (design.T @ (y / spread))
-    free = len(x) - degree - 1
-    scatter = float((((y / spread) - design @ found) ** 2).sum()) / free if free else 0.0
-    return found.tolist(), math.sqrt(covariance[-1, -1] * (max(1.0, scatter) if weighted else scatter))
+    free = float(len(x) - degree - 1)
+    squares = float((((y / spread) - design @ found) ** 2).sum())
+    scatter = squares / free if free else 0.0
+    if weighted and freedom and not _larger(scatter, free, freedom):
+        free += freedom
+        scatter = (squares + freedom) / free
+    elif weighted:
+        scatter = max(1.0, scatter)
+    return found.tolist(), math.sqrt(covariance[-1, -1] * scatter), free
+
+
+def _larger(scatter: float, free: float, freedom: float) -> bool:
+    """Whether scatter over the squares of standard errors is more than 1, at 1 % significance (Fisher's F)."""
+    from scipy.special import fdtrc
+
+    return free > 0 and float(fdtrc(free, freedom, scatter)) < 0.01

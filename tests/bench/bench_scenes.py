@@ -1,6 +1,7 @@
-"""The tracer's rate on each scene of `scenes/`, as a share of a bare loop over Embree on the same rays: 16 samples a
-pixel, one thread. Given the library of kept_rays.c, which stands between the tracer and Embree: it keeps a picture's
-rays and gives them to Embree again. Both are measured in turn, in CPU time of the thread."""
+"""The tracer's rate on each scene of `scenes/`, or on those that are named, as a share of a bare loop over Embree on
+the same rays: 16 samples a pixel, one thread. Given the library of kept_rays.c, which stands between the tracer and
+Embree: it keeps a picture's rays and gives them to Embree again. Both are measured in turn, in CPU time of the
+thread."""
 
 from __future__ import annotations
 
@@ -86,7 +87,7 @@ def main() -> None:
         f"  {'':17} {'d':>2} {'rays a sample':>13} {'shadow':>8} {'scattered':>9} {'hit':>6}"
         f" {'bare':>8} {'tracer':>8} Mrays/s  {'more':>8}   share"
     )
-    for name in scene_io.names():
+    for name in sys.argv[2:] or scene_io.names():
         found = measure(kept, scene_io.load(name).scene)
         cost, counts, shares = found.cost, found.kept, found.shares
         rays = counts.intersected + counts.occluded

@@ -30,6 +30,7 @@ static const sampler_case cases[] = {
     {"sobol:scramble=shift", 64, 3},
     {"sobol:scramble=digit", 64, 3},
     {"sobol:scramble=owen", 64, 3},
+    {"sobol:scramble=owen-full", 64, 3},
     {"sgi-8x8", 8, 2}, /* the most it has */
     {"standard-msaa", 16, 2},
     {"gauss-legendre", 64, 3},

@@ -99,9 +99,9 @@ static void jittered_has_one_point_in_each_cell(void **state) {
  * aligned run of 2^m indices. */
 static void sobol_is_a_net_however_scrambled(void **state) {
   (void)state;
-  const char *const nets[] = {"sobol", "sobol:scramble=digit", "sobol:scramble=owen"};
+  const char *const nets[] = {"sobol", "sobol:scramble=digit", "sobol:scramble=owen", "sobol:scramble=owen-full"};
   enum { M = 10, N = 1 << M };
-  for (size_t k = 0; k < 3; k++) {
+  for (size_t k = 0; k < 4; k++) {
     asc_sampler *sampler = make(nets[k], 4 * N, 2, 12);
     for (uint64_t run = 0; run < 4; run++) {
       static double points[N * 2];
@@ -123,9 +123,8 @@ static void sobol_is_a_net_however_scrambled(void **state) {
  * make all 8 values equally often; chi-squared of 7 degrees of freedom exceeds 29.9 with probability 1e-4. So it is
  * for the digits 4 to 6 given the digits above them, which tells it from a digital shift: two points of one cell of 1/8
  * go to different sub-cells, and their difference must vary. */
-static void owen_scrambling_is_nested_and_uniform(void **state) {
-  (void)state;
-  asc_sampler *sampler = make("sobol:scramble=owen", 64, 2, 4);
+static void nested_and_uniform(const char *spec) {
+  asc_sampler *sampler = make(spec, 64, 2, 4);
   for (uint32_t dimension = 0; dimension < 2; dimension++) {
     int first[8] = {0}, below[8] = {0}, differences = 0;
     for (int32_t pixel = 0; pixel < 4096; pixel++) {
@@ -146,6 +145,12 @@ static void owen_scrambling_is_nested_and_uniform(void **state) {
     assert_true((differences & (differences - 1)) != 0);
   }
   asc_sampler_destroy(sampler);
+}
+
+static void owen_scrambling_is_nested_and_uniform(void **state) {
+  (void)state;
+  nested_and_uniform("sobol:scramble=owen");
+  nested_and_uniform("sobol:scramble=owen-full");
 }
 
 static void permutations_are_permutations(void **state) {

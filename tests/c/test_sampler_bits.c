@@ -35,6 +35,8 @@ static const sampler_bits known[] = {
     {"sobol:scramble=digit", 200, 7, 0xc99b8bcdaef491eau},
     {"sobol:scramble=owen", 200, 7, 0xbcee90c61a1f32cbu},
     {"sobol:scramble=owen", 1000, 11, 0x460fbbd6f21ab60bu},
+    {"sobol:scramble=owen-full", 200, 7, 0x3019d0da8876fa72u},
+    {"sobol:scramble=owen-full", 1000, 11, 0x985299bf5fe05dbeu},
     {"hammersley", 200, 7, 0xd3f5b673a7939ffbu},
     {"hammersley:scramble=shift", 200, 7, 0xcf2b6d18453cba22u},
     {"hammersley:scramble=digit", 200, 7, 0x7d5adce1b493e92bu},

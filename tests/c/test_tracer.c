@@ -486,7 +486,7 @@ static void filters_give_the_same_bits_for_threads_and_bands(void **state) {
     for (uint32_t rows = 1; rows <= 2; rows++) {
       film target;
       crew_cost cost = {0};
-      assert_int_equal(film_make(&target, filter, W, H, 3), ASC_OK);
+      assert_int_equal(film_make(&target, TRACER_FILM_DOUBLE, filter, W, H, 3), ASC_OK);
       assert_true(target.rows == target.down);
       target.rows = rows;
       memset(other, 0xff, sizeof other);
@@ -529,7 +529,7 @@ static void samples_stay_within_reach(void **state) {
   for (size_t k = 0; k < FILTERS; k++) {
     asc_filter *filter = filter_of(filters[k]);
     film target;
-    assert_int_equal(film_make(&target, filter, 40, 40, 1), ASC_OK);
+    assert_int_equal(film_make(&target, TRACER_FILM_DOUBLE, filter, 40, 40, 1), ASC_OK);
     for (int place = 0; place < 20; place++) {
       (void)film_begin(&target, 0, 0);
       const film_pixel first = film_at(&target, 0, 0, 0, 0), last = film_at(&target, 0, 0, 15, 15);
@@ -537,11 +537,11 @@ static void samples_stay_within_reach(void **state) {
       const double light[1][4] = {{INFINITY, INFINITY, INFINITY, 0.0}};
       film_add(&target, 1, &sample, light);
       const int32_t side = (int32_t)target.side, least = side - 2 * target.reach - 1;
-      const film_cell *cells = first.weighted - (ptrdiff_t)target.reach * (side + 1);
+      const film_cell *cells = (film_cell *)first.weighted - (ptrdiff_t)target.reach * (side + 1), *plain = first.plain;
       for (int32_t i = 0; i < side * side; i++)
         assert_true(isfinite(cells[i][0]) || (i % side >= least && i / side >= least));
-      for (int i = 0; i < 255; i++) assert_true(first.plain[i][0] == 0.0);
-      assert_true(isinf((*last.plain)[0]));
+      for (int i = 0; i < 255; i++) assert_true(plain[i][0] == 0.0);
+      assert_true(isinf((*(film_cell *)last.plain)[0]));
     }
     film_free(&target);
     asc_filter_destroy(filter);

@@ -10,13 +10,14 @@ import scipy.stats
 from scipy.stats import qmc
 
 from aliascope.errors import SpecError, Unsupported
-from aliascope.native import samplers
+from aliascope.native import discrepancy, samplers
 
 RANDOMISED = ["random", "jittered", "n-rooks"] + [
     f"{name}:scramble={scramble}"
     for name in ("halton", "hammersley", "sobol")
     for scramble in ("shift", "digit", "owen")
 ]
+RANDOMISED.append("sobol:scramble=owen-full")
 
 
 def test_sobol_is_scipys_in_all_its_dimensions() -> None:
@@ -132,8 +133,38 @@ def test_the_registry_lists_titles_and_sources() -> None:
     found = {info.name: info for info in samplers.registered()}
     assert set(found) >= {"random", "regular", "jittered", "halton", "sobol"}
     assert all(info.title and info.source for info in found.values())
-    assert found["sobol"].parameters[0].startswith("scramble=none|shift|digit|owen: ")
+    assert found["sobol"].parameters[0].startswith("scramble=none|shift|digit|owen|owen-full: ")
 
 
 def test_weights() -> None:
     assert samplers.weights("halton", 8).tolist() == [0.125] * 8
+
+
+def test_full_owen_scrambling_keeps_nets_and_has_the_variance_of_the_hash() -> None:
+    """Variance is of pairs of points, and the hash flips pairs of digits as independently. Two variances of 2,000 means
+    each, as large a kurtosis as theirs: the logarithm of the ratio within 5 standard errors, four times."""
+    for count, d in ((64, 3), (256, 5)):
+        t = discrepancy.measure("t-value", samplers.points("sobol", count, d)).value
+        for seed in range(3):
+            scrambled = samplers.points("sobol:scramble=owen-full", count, d, seed)
+            assert discrepancy.measure("t-value", scrambled).value == t
+
+    def corner(x: np.ndarray) -> np.ndarray:
+        return (x[:, 0] + 0.7 * x[:, 1] < 0.81).astype(float)
+
+    def smooth(x: np.ndarray) -> np.ndarray:
+        return np.asarray(np.exp(x[:, 0] * x[:, 1]) * np.cos(3.0 * x[:, 1]))
+
+    for integrand in (corner, smooth):
+        for count in (8, 32):
+            spread, error = [], 0.0
+            for scramble in ("owen", "owen-full"):
+                means = np.array(
+                    [
+                        integrand(samplers.points(f"sobol:scramble={scramble}", count, 2, seed)).mean()
+                        for seed in range(2000)
+                    ]
+                )
+                spread.append(means.var(ddof=1))
+                error += (scipy.stats.kurtosis(means, fisher=False) - 1.0) / len(means)
+            assert abs(np.log(spread[1] / spread[0])) < 5.0 * np.sqrt(error)

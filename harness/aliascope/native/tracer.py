@@ -38,6 +38,26 @@ def _version(number: int) -> str:
     return f"{number // 10000}.{number // 100 % 100}.{number % 100}"
 
 
+PACKETS = (16, 1, 4, 8)
+"""Rays that Embree can trace together, the default first."""
+
+FILMS = ("double", "float")
+"""In what the samples of a picture can be added up, the default first."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a tracer pays for safety and speed; tracer.h says what each changes.
+
+    packet: one of PACKETS. robust: no ray passes between two triangles that share an edge. film: one of FILMS, of
+    pictures with as many samples in every pixel.
+    """
+
+    packet: int = PACKETS[0]
+    robust: bool = True
+    film: str = FILMS[0]
+
+
 @dataclass(frozen=True)
 class Kernel:
     """Of the Embree that is loaded: its version; the rays that are traced together; the largest packet that the
@@ -71,11 +91,20 @@ class Tracer:
     """A scene, built for one size of picture, which is moved by `shift` pixels to the right and down. Raises
     NotAvailable, InvalidInput."""
 
-    def __init__(self, scene: Scene, size: tuple[int, int], shift: tuple[float, float] = (0.0, 0.0)) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        size: tuple[int, int],
+        shift: tuple[float, float] = (0.0, 0.0),
+        options: Options = Options(),  # frozen
+    ) -> None:
         library = _library()
         packed, keep = pack(library.ffi, scene, size, shift)
         out, box = library.ffi.new("tracer **"), error_box(library.ffi)
-        check(library, library.lib.tracer_create(packed, out, box), box)
+        chosen = library.ffi.new("tracer_options *")
+        chosen.struct_size = library.ffi.sizeof("tracer_options")
+        chosen.packet, chosen.not_robust, chosen.film = options.packet, not options.robust, FILMS.index(options.film)
+        check(library, library.lib.tracer_create_with(packed, chosen, out, box), box)
         keep.clear()
         self._handle = library.ffi.gc(out[0], library.lib.tracer_destroy)
         self._library, self._size = library, size

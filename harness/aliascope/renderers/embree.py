@@ -12,6 +12,22 @@ from aliascope.records import Cost, Counts, Pixels, Rendering
 from aliascope.renderers.base import DIMENSIONS, Request, filter_of
 from aliascope.specs import Form, Key, Spec
 
+PACKET = Key(
+    "packet",
+    "choice",
+    str(tracer.PACKETS[0]),
+    "how many rays Embree traces together",
+    choices=tuple(map(str, tracer.PACKETS)),
+)
+ROBUST = Key(
+    "robust",
+    "choice",
+    "on",
+    "whether no ray passes between triangles that share an edge",
+    choices=("on", "off"),
+)
+FILM = Key("film", "choice", tracer.FILMS[0], "in what samples are added up", choices=tracer.FILMS)
+
 UNIFORM = Form(
     "uniform",
     "the same number of samples in every pixel",
@@ -35,6 +51,9 @@ UNIFORM = Form(
             inner_settings=filters.settings,
         ),
         DIMENSIONS,
+        PACKET,
+        ROBUST,
+        FILM,
     ),
 )
 
@@ -81,6 +100,8 @@ ADAPTIVE = Form(
             inner_settings=filters.settings,
         ),
         DIMENSIONS,
+        PACKET,
+        ROBUST,
     ),
 )
 
@@ -119,7 +140,7 @@ class Embree:
     def render(self, request: Request) -> Rendering:
         """The time limit is looked at between repeats only."""
         started = time.monotonic()
-        built = tracer.Tracer(request.scene, (request.width, request.height), request.shift)
+        built = tracer.Tracer(request.scene, (request.width, request.height), request.shift, _options(request.mode))
         pixels, counts, first = _draw(built, request)
         cpu_seconds, wall_seconds, repeats = first.cpu_seconds, first.wall_seconds, 1
         instructions = first.instructions
@@ -142,6 +163,11 @@ class Embree:
             instructions=instructions,
         )
         return Rendering(pixels, cost, counts=counts)
+
+
+def _options(mode: Spec) -> tracer.Options:
+    film = mode.word(FILM.name) if FILM.name in mode.values else tracer.Options.film
+    return tracer.Options(int(mode.word(PACKET.name)), mode.word(ROBUST.name) == "on", film)
 
 
 def _rays(scene: Scene, cost: tracer.TracerCost) -> dict[str, int]:

@@ -1,0 +1,34 @@
+"""Which modes are on the Pareto front of error against time, and how surely."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aliascope.trade.records import OnFront
+from aliascope.trade.uncertainty import Array, Points
+
+
+def undominated(times: Array, errors: Array) -> NDArray[np.bool_]:
+    """Of points (n, draws): whether no other one of the same draw is as fast and as good, and better in one of them."""
+    order = np.lexsort((errors, times), axis=0)
+    time, error = np.take_along_axis(times, order, 0), np.take_along_axis(errors, order, 0)
+    found = np.ones(time.shape, dtype=bool)
+    found[1:] = error[1:] < np.minimum.accumulate(error)[:-1]
+    for k in range(1, len(found)):
+        # Equals of one that is on the front are on it.
+        found[k] |= found[k - 1] & (time[k] == time[k - 1]) & (error[k] == error[k - 1])
+    result = np.empty_like(found)
+    np.put_along_axis(result, order, found, 0)
+    return result
+
+
+def front(points: Points) -> tuple[OnFront, ...]:
+    """All modes of a scene with their probability, by falling probability, then by time."""
+    if not points.rows:
+        return ()
+    probability = undominated(points.times, points.errors).mean(axis=1)
+    return tuple(
+        OnFront(points.rows[i].renderer, points.rows[i].mode, float(probability[i]))
+        for i in np.lexsort((points.time, -probability))
+    )
