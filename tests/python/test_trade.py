@@ -99,7 +99,10 @@ def test_what_the_reference_adds_moves_all_errors_together() -> None:
     ]
     (found,) = points([section("one", modes)])
     assert found.shared == pytest.approx([0.2, 0.2])
-    assert all(each.probability == 1.0 for each in scene_of(modes).front)
+    scene = scene_of(modes)
+    assert all(each.probability == 1.0 for each in scene.front)
+    for each in scene.efficiency:  # of MSE: twice the logarithm; the ends are quantiles of so many draws
+        assert each.value.high == pytest.approx(each.value.value * math.exp(2.0 * 1.96 * 0.2), rel=0.1)
 
 
 # Equal error, equal time
