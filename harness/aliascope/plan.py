@@ -7,6 +7,7 @@ import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
 
+from aliascope import knob_modes
 from aliascope.draws import UNMOVED, text_of
 from aliascope.errors import InvalidInput, near_misses
 from aliascope.model import AreaLight, DiscLight, Scene, SphereLight
@@ -160,7 +161,7 @@ FULL: Mapping[str, tuple[str, ...]] = {
     ),
 }
 
-PROFILES: Mapping[str, Mapping[str, tuple[str, ...]]] = {"quick": QUICK, "full": FULL}
+PROFILES: Mapping[str, Mapping[str, tuple[str, ...]]] = {"quick": QUICK, "full": FULL, "knobs": knob_modes.MODES}
 KINDS: Mapping[str, Mapping[str, Mapping[str, tuple[str, ...]]]] = {
     "quick": {
         "povray": POVRAY_QUICK,
@@ -171,11 +172,12 @@ KINDS: Mapping[str, Mapping[str, Mapping[str, tuple[str, ...]]]] = {
         },
     },
     "full": {"povray": POVRAY_FULL},
+    "knobs": knob_modes.KINDS,
 }
 """By profile and renderer, the modes for each kind of scene (`kind_of`); a renderer that is not here has the same for
 all. The cells of other modes are left out: they would be empty, or take long for what they show."""
 
-SEEDS: Mapping[str, int] = {"quick": 3, "full": 16}
+SEEDS: Mapping[str, int] = {"quick": 3, "full": 16, "knobs": 3}
 """How many pictures, with seeds 0, 1, ..., a randomised mode gets in each profile; one without seeds gets as many, but
 `draws.MOST` at most, each with the film in another place."""
 
