@@ -15,7 +15,7 @@ from markupsafe import Markup
 
 from aliascope.records import ReportData, SceneSection
 from aliascope.regression.records import Run
-from aliascope.report.document import document, script_json
+from aliascope.report.document import document, json_text
 from aliascope.report.encode import PictureStore
 from aliascope.report.files import digest, environment, source, write_text
 from aliascope.report.filters import FREQUENCIES, Response, filter_responses, filters_csv, filters_json
@@ -28,11 +28,12 @@ from aliascope.report.verdicts import verdicts_html
 from aliascope.trade import Trade, analyse
 
 SCRIPTS = (
+    "unpack.js",
+    "packed_data.js",
     "core.js",
     "metrics.js",
     "costs.js",
     "state.js",
-    "unpack.js",
     "pictures.js",
     "plot.js",
     "spectrum.js",
@@ -46,7 +47,7 @@ SCRIPTS = (
     "viewer.js",
     "page.js",
 )
-"""In the order of their use of each other; they become one function."""
+"""In the order of their use of each other; they become one function, which waits for its data to be inflated."""
 
 
 def write_report(folder: Path, data: ReportData, run: Run | None = None) -> Path:
@@ -87,7 +88,7 @@ def _page(
     values["filters"] = {"frequencies": FREQUENCIES, "responses": filters_json(filters)}
     style = source("page.css") + source("trade.css") + (source("verdicts.css") if run else "")
     body = "\n".join(source(name) for name in SCRIPTS)
-    script = f'(() => {{\n"use strict";\n{body}\n}})();\n'
+    script = f'(async () => {{\n"use strict";\n{body}\n}})();\n'
     pages = environment()
     pages.filters |= {
         "figures": _figures,
@@ -108,7 +109,7 @@ def _page(
         policy=f"default-src 'none'; script-src '{digest(script)}'; style-src '{digest(style)}'",
         style=Markup(style),  # ours
         script=Markup(script),  # ours
-        json=Markup(script_json(values)),  # escaped by script_json
+        json=Markup(json_text(values)),  # of characters that mean nothing to HTML
         pictures=[Markup(text) for text in pictures.texts],  # of characters that mean nothing to HTML
         verdicts=verdicts_html(run, pages),
     )
