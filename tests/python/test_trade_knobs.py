@@ -55,7 +55,8 @@ def test_a_key_is_turned_from_its_default_with_all_others_alike() -> None:
     assert (knob.pairs, knob.scenes) == (2, ("a", "b"))
     assert knob.time.value == pytest.approx(math.sqrt(2.0 * 8.0))
     assert knob.error.value == pytest.approx(math.sqrt(1.0 * 0.25))
-    assert knob.time.low is not None and knob.time.low < knob.time.value < (knob.time.high or 0.0)
+    assert knob.time.low is not None
+    assert knob.time.low < knob.time.value < (knob.time.high or 0.0)
 
 
 def test_modes_that_differ_in_two_keys_are_no_pair() -> None:

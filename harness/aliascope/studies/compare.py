@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from aliascope import image, jobs, metrics, pipeline, places, references, renderers
+from aliascope import image, jobs, metrics, pipeline, places, references, renderers, trade
 from aliascope.draws import UNMOVED, text_of
 from aliascope.errors import CheckFailed, Interrupted, NotWritable, Unsupported
 from aliascope.jobs import Judged, Plan
@@ -29,6 +29,7 @@ from aliascope.store import Store
 from aliascope.studies import probes
 from aliascope.studies.headlines import headlines
 from aliascope.studies.progress import converging
+from aliascope.trade import words
 from aliascope.workers import Workers
 
 
@@ -317,6 +318,7 @@ def summary(result: Comparison, plan: Plan) -> dict[str, Any]:
         "failures": [asdict(failure) for failure in data.failures],
         "probes": [asdict(probe) for probe in data.probes],
         "noise": None if data.noise is None else asdict(data.noise),
+        "trade": words.document(trade.analyse(data.scenes)),
         "rows": [_row_document(scene.name, row) for scene in data.scenes for row in scene.rows],
     }
 

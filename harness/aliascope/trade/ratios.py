@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aliascope.trade.reach import Answer, Family, ends
+from aliascope.trade.reach import Answer, Family
 from aliascope.trade.records import Interval, Ratio
-from aliascope.trade.uncertainty import Array, student
+from aliascope.trade.uncertainty import Array, ends, student
 
 Name = tuple[str, str]
 
@@ -81,7 +81,7 @@ def _near(answers: Sequence[Answer]) -> list[Answer | None]:
     """Those of one family that count, of targets from the easiest to the hardest: not what is extrapolated, and of the
     targets that it reaches with its end alone (its fastest mode is better than that, or its best one faster) only the
     last, since far from its modes little is told of its trade."""
-    following = [answer.how for answer in answers[1:]] + ["cannot"]
+    following = [*(answer.how for answer in answers[1:]), "cannot"][: len(answers)]
     return [
         answer
         if answer.how == "between" or (answer.how == "measured" and then not in ("measured", "extrapolated"))
