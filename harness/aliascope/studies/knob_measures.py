@@ -65,7 +65,7 @@ TURNS = (
 )
 
 
-def knobs(progress: Progress, turns: Sequence[Turn] = TURNS, sets: Sequence[str] = SETS) -> tuple[Knob, ...]:
+def knobs(turns: Sequence[Turn], sets: Sequence[str], progress: Progress) -> tuple[Knob, ...]:
     """One for each turn, over all sets: the geometric mean of the ratios of time, and of the relative widths, which
     stand where modes have their ratios of errors: what is exact has none."""
     found = []

@@ -58,7 +58,7 @@ def turn(
     comparing.check_drawn(plan)
     _make_filter_references(plan, folder / "references", progress)
     result = comparing.compare(plan, folder, options, command, progress, tell)
-    measures = knob_measures.knobs(progress)
+    measures = knob_measures.knobs(knob_measures.TURNS, knob_measures.SETS, progress)
     return Turned(result, plan, (*analyse(result.data.scenes).knobs, *measures))
 
 
