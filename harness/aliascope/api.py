@@ -40,7 +40,7 @@ __all__ = [
 
 
 def load_scene(scene: str) -> SceneFile:
-    """A scene by its name in scenes/ or the path of a TOML file."""
+    """A scene by its name in scenes/ or the path of its file: TOML, or glTF (.glb, .gltf)."""
     return scene_io.load(scene)
 
 

@@ -7,6 +7,7 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from aliascope.errors import InvalidInput
 from aliascope.geometry import Array
@@ -64,11 +65,15 @@ def _check(triangles: Array, name: str) -> None:
     if bad.any():
         number = int(np.argmax(bad))
         raise InvalidInput(f'"{name}": triangle {number} has a corner that is not finite or beyond 1e30')
-    # Relative to the longest edge, so that the scale of a mesh does not matter.
+    flat = without_area(triangles)
+    if flat.any():
+        raise InvalidInput(f'"{name}": triangle {int(np.argmax(flat))} has no area; {int(flat.sum())} such in all')
+
+
+def without_area(triangles: Array) -> NDArray[np.bool_]:
+    """Which of (n, 3, 3) have no area: less than 1e-12 of their longest edge squared, whatever the scale."""
     edges = triangles - np.roll(triangles, 1, axis=1)
     longest = np.abs(edges).max(axis=(1, 2))
     scaled = edges / np.where(longest > 0.0, longest, 1.0)[:, np.newaxis, np.newaxis]
-    area = np.linalg.norm(np.cross(scaled[:, 0], scaled[:, 1]), axis=1)
-    flat = area < 1e-12
-    if flat.any():
-        raise InvalidInput(f'"{name}": triangle {int(np.argmax(flat))} has no area; {int(flat.sum())} such in all')
+    flat: NDArray[np.bool_] = np.linalg.norm(np.cross(scaled[:, 0], scaled[:, 1]), axis=1) < 1e-12
+    return flat

@@ -11,7 +11,6 @@ import re
 import subprocess
 import sys
 import zlib
-from base64 import b64decode
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -27,7 +26,15 @@ from aliascope.errors import InvalidInput, NotAvailable, NotWritable
 from aliascope.records import EmptyCell, Estimate, Failure, MetricInfo, ModeRow, Pixels, ReportData, SceneSection
 from aliascope.report import _power_of_ten, _signed, page, write_report
 from aliascope.report.document import document, script_json
-from aliascope.report.encode import PictureStore, decode_picture, encode_picture, error_map, error_scale, round_up
+from aliascope.report.encode import (
+    PictureStore,
+    decode_picture,
+    encode_picture,
+    error_map,
+    error_scale,
+    from_text,
+    round_up,
+)
 from aliascope.report.filters import FREQUENCIES, filter_responses, filters_csv
 from aliascope.report.plots import Plot, colours, limits, plot_svg, plots_of, svg_of
 from aliascope.report.pool import curve_of, efficiency, in_common, pareto_front, pool
@@ -44,6 +51,7 @@ from aliascope.report.spectra import (
     spectra_of,
 )
 from aliascope.spectrum import radial_spectrum
+from aliascope.trade import analyse
 
 HOSTILE = "</script><!--<script>alert('$x^{$')\u2028&\"\n,=1"
 METRICS = {name: MetricInfo(name, "less") for name in ("rmse", "psnr", "max", "bias", "structure")}
@@ -97,7 +105,7 @@ def test_pictures_come_back_to_the_bit(kinds: str) -> None:
 def test_more_colours_than_a_palette_holds() -> None:
     pixels = np.random.default_rng(12).random((300, 300, 3), np.float32)
     text = encode_picture(pixels)
-    assert zlib.decompress(b64decode(text))[0] == 0
+    assert zlib.decompress(from_text(text))[0] == 0
     assert np.array_equal(decode_picture(text, 300, 300), pixels)
 
 
@@ -386,7 +394,7 @@ def test_the_csv_has_every_figure_and_reason(written: Path) -> None:
 
 
 def test_there_is_no_nan_in_the_json() -> None:
-    values = document(usual(), PictureStore(), spectra_of(usual()))
+    values = document(usual(), PictureStore(), spectra_of(usual()), analyse(usual().scenes))
 
     def refuse(name: str) -> None:
         raise AssertionError(name)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from aliascope import scene_io
+from aliascope import scene_io, toml_files
 from aliascope.errors import InvalidInput
 
 WHOLE = """\
@@ -136,7 +136,7 @@ def test_missing_files_and_bytes_that_are_no_text(tmp_path: Path) -> None:
 
 
 def test_lines_of_nested_tables_and_dotted_keys() -> None:
-    lines = scene_io.line_map('a.b = 1\n[c]\nd = """x"""\n[[e]]\nf = 1\n[e.g]\nh = 2\n[[e]]\nf = 3\n"q r" = 4\n')
+    lines = toml_files.line_map('a.b = 1\n[c]\nd = """x"""\n[[e]]\nf = 1\n[e.g]\nh = 2\n[[e]]\nf = 3\n"q r" = 4\n')
     assert lines[("a", "b")] == 1
     assert lines[("c", "d")] == 3
     assert lines[("e", 0, "f")] == 5

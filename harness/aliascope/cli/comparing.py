@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from aliascope.cli.shared import Json, Size, app, print_json, size_of
+from aliascope.cli.shared import Json, Size, app, print_json, say_notes, size_of
 from aliascope.draws import UNMOVED, text_of
 from aliascope.errors import InvalidInput
 from aliascope.native.samplers import ARRANGEMENTS
@@ -18,7 +18,7 @@ from aliascope.native.samplers import ARRANGEMENTS
 @app.command(epilog="Example: aliascope compare edge discs -r embree -r povray --profile quick -o results")
 def compare(
     scenes: Annotated[
-        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, TOML files.")
+        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, files (TOML, glTF).")
     ] = None,
     renderer: Annotated[list[str] | None, typer.Option("-r", help="Renderer; may stand several times.")] = None,
     mode: Annotated[
@@ -49,6 +49,7 @@ def compare(
 
     if resume and not (out / "results.sqlite").is_file():
         raise InvalidInput(f"{out}: has no results to resume; leave --resume out to begin")
+    say_notes(scenes or [])
     plan = selection.plan_of(scenes or [], renderer or [], mode or [], profile, size_of(size), dimensions or [])
     if dry_run:
         _dry_run(plan, as_json)
@@ -75,7 +76,7 @@ def compare(
 @app.command(epilog="Example: aliascope agree spheres edge -r embree -r povray -o agreement")
 def agree(
     scenes: Annotated[
-        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, TOML files.")
+        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, files (TOML, glTF).")
     ] = None,
     renderer: Annotated[list[str] | None, typer.Option("-r", help="Renderer; may stand several times.")] = None,
     size: Annotated[str, typer.Option("--size", metavar="WxH", help="Pixels of the pictures.")] = "64x48",
@@ -99,6 +100,7 @@ def agree(
     from aliascope.studies import agree_text
     from aliascope.studies.progress import progress_bar
 
+    say_notes(scenes or [])
     pixels = size_of(size)
     assert pixels is not None
     asked = study.Asked(

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from aliascope import draws
-from aliascope.cli.shared import Json, Seed, Size, app, print_json, shift_of, size_of
+from aliascope.cli.shared import Json, Seed, Size, app, print_json, say_notes, shift_of, size_of
 from aliascope.errors import InvalidInput
 from aliascope.native.samplers import ARRANGEMENTS
 
@@ -18,7 +18,7 @@ from aliascope.native.samplers import ARRANGEMENTS
     "aliascope render edge -r embree -m adaptive:method=whitted,n=72 -o edge.exr --counts counts.exr"
 )
 def render(
-    scene: Annotated[str, typer.Argument(help="Name of a scene, or the path of a TOML file.")],
+    scene: Annotated[str, typer.Argument(help="Name of a scene, or the path of its file (TOML, glTF).")],
     renderer: Annotated[str, typer.Option("-r", help="Name; see aliascope list renderers.")],
     mode: Annotated[str, typer.Option("-m", help="Spec of a mode; see aliascope list modes.")],
     out: Annotated[Path, typer.Option("-o", metavar="OUT.exr")],
@@ -51,6 +51,7 @@ def render(
     """Render one scene with one renderer and mode, and say what it cost."""
     from aliascope.studies.single import render_file
 
+    say_notes([scene])
     summary = render_file(
         scene, renderer, mode, out, seed, size_of(size), threads, time_limit, counts, dimensions, shift_of(shift)
     )
@@ -125,7 +126,7 @@ def error(
 
 @app.command(epilog="Example: aliascope reference edge --verify; or aliascope reference spheres --shift 0.25,-0.4")
 def reference(
-    scenes: Annotated[list[str], typer.Argument(metavar="SCENE...", help="Names, patterns, TOML files.")],
+    scenes: Annotated[list[str], typer.Argument(metavar="SCENE...", help="Names, patterns, files (TOML, glTF).")],
     verify: Annotated[bool, typer.Option("--verify", help="Make them again and compare; change nothing.")] = False,
     size: Size = None,
     filter_: Annotated[str, typer.Option("--filter", metavar="SPEC", help="See aliascope list filters.")] = "box",
@@ -155,6 +156,7 @@ def reference(
     from aliascope.studies import selection, single
     from aliascope.studies.progress import progress_bar
 
+    say_notes(scenes)
     if all_draws and shift is not None:
         raise InvalidInput("--draws has its own shifts: give it or --shift, not both")
     shifts = [draws.shift_of(draw) for draw in range(draws.MOST)] if all_draws else [shift_of(shift)]

@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
-from aliascope.cli.shared import Json, app, print_json
+from aliascope.cli.shared import Json, app, print_json, say_notes
 
 
 @app.command(hidden=True, epilog="Example: aliascope power edge --plugin .build/plugins/repeats.so -o power")
 def power(
     scenes: Annotated[
-        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, TOML files.")
+        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, files (TOML, glTF).")
     ] = None,
     renderer: Annotated[list[str] | None, typer.Option("-r", help="Renderer; may stand several times.")] = None,
     repetitions: Annotated[int, typer.Option(min=1, max=1_000_000, help="Runs in which nothing changed.")] = 1000,
@@ -38,6 +38,7 @@ def power(
     from aliascope.studies import power_text
     from aliascope.studies.progress import progress_bar
 
+    say_notes(scenes or [])
     asked = study.Asked(
         tuple(scenes or ()), tuple(renderer or ()), repetitions, pool, tries, processes, folder=out, shim=shim
     )

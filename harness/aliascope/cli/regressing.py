@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from aliascope.cli.shared import Json, app, print_json
+from aliascope.cli.shared import Json, app, print_json, say_notes
 from aliascope.errors import Interrupted, InvalidInput
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 @app.command(epilog="Example: aliascope regress edge siemens-star -r embree -r povray -o results")
 def regress(
     scenes: Annotated[
-        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, TOML files.")
+        list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, files (TOML, glTF).")
     ] = None,
     renderer: Annotated[list[str] | None, typer.Option("-r", help="Renderer; may stand several times.")] = None,
     mode: Annotated[
@@ -55,6 +55,7 @@ def regress(
     from aliascope import places
     from aliascope.studies.regress import Asked
 
+    say_notes(scenes or [])
     asked = Asked(
         scenes=tuple(scenes or ()),
         renderers=tuple(renderer or ()),

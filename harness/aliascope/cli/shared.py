@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -75,6 +77,16 @@ def shift_of(text: str | None) -> tuple[float, float]:
     except ValueError:
         raise InvalidInput(f'--shift "{text}" is not of the form RIGHT,DOWN, such as 0.25,-0.4') from None
     return checked((right, down))
+
+
+def say_notes(scenes: Iterable[str]) -> None:
+    """Says on standard error what the files of other programs among these scenes have that is not drawn."""
+    from aliascope import scene_io
+
+    for path in (Path(scene) for scene in scenes if scene_io.is_path(scene)):
+        if path.suffix.lower() != ".toml":
+            for note in scene_io.load_file(path).notes:
+                typer.echo(f"{path}: {note}", err=True)
 
 
 def print_json(document: Any) -> None:

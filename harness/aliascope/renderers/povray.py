@@ -131,7 +131,8 @@ class PovRay:
 
         `cpu_seconds` and `wall_seconds` are of tracing alone, as povray prints them, summed over the frames of a
         picture; `repeats` counts the pictures of both runs, their mean is the cost. The second run has MOST_FRAMES at
-        most.
+        most. Instructions are not counted: those of the program would be of its start, of reading the scene and of
+        writing the picture too, which nothing outside of it tells from tracing.
         """
         start = time.monotonic()
         size = (request.width, request.height)

@@ -86,7 +86,7 @@ def _about(
 
 def scenes_of(patterns: Sequence[str]) -> list[str]:
     """The scenes that patterns name, and paths as they are; all of ours for nothing. Raises InvalidInput."""
-    paths = [pattern for pattern in patterns if "/" in pattern or pattern.endswith(".toml")]
+    paths = [pattern for pattern in patterns if scene_io.is_path(pattern)]
     named = [pattern for pattern in patterns if pattern not in paths]
     own = plan.matching(named, scene_io.names(), "scene") if named else [] if paths else scene_io.names()
     return [*own, *paths]

@@ -290,6 +290,8 @@ def satterthwaite(errors: Sequence[float], freedoms: Sequence[float]) -> tuple[f
     part is not known."""
     squares = [error * error for error in errors]
     total = math.fsum(squares)
+    if math.isnan(total) or total == 0.0:
+        return math.sqrt(total), math.inf
     shares = math.fsum(square * square / freedom for square, freedom in zip(squares, freedoms, strict=True))
     return math.sqrt(total), total * total / shares if shares else math.inf
 

@@ -1,0 +1,153 @@
+"""Runs a program: in a folder, for a limited time, with a bounded part of what it prints kept.
+
+No run outlives its time limit, its caller or its caller's process.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import selectors
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from aliascope.errors import JobFailed, NotAvailable
+
+KEPT_BYTES = 1 << 18
+"""The end of what a program prints that is kept, unless its caller says otherwise."""
+
+MESSAGE_LINES, MESSAGE_CHARACTERS = 3, 300
+"""The most of the program's last lines that goes into an error."""
+
+_CHECK_EVERY = 0.1
+"""Seconds between looks at whether the program has ended while something else holds its pipe open."""
+
+_PRCTL = ctypes.CDLL(None).prctl if sys.platform == "linux" else None
+_PR_SET_PDEATHSIG = 1
+
+
+@dataclass(frozen=True)
+class Ended:
+    """A program that has ended by itself: its exit status, that of a signal negative; the end of what it printed, on
+    either stream; seconds of CPU time of it and of the processes that it waited for, and on the wall."""
+
+    status: int
+    text: str
+    cpu_seconds: float
+    wall_seconds: float
+
+
+def run(
+    command: Sequence[str],
+    folder: Path,
+    time_limit: float,
+    environment: Mapping[str, str],
+    most: int = KEPT_BYTES,
+) -> Ended:
+    """Runs a program in `folder` until it ends.
+
+    Raises JobFailed where it has not ended after `time_limit` seconds on the wall, and NotAvailable where it cannot be
+    started. Afterwards no process of it is left.
+    """
+    begun = time.monotonic()
+    process = _start(command, folder, environment)
+    seconds = 0.0
+    try:
+        text, in_time = _collect(process, begun + time_limit, most)
+    finally:
+        seconds = _end(process)
+    if not in_time:
+        name = Path(command[0]).name
+        raise JobFailed(f"{name} had not ended after {time_limit:.3g} s, its time limit, and was killed")
+    return Ended(process.returncode, text, seconds, time.monotonic() - begun)
+
+
+def complaint(name: str, ended: Ended, passed_over: Sequence[str] = ()) -> str:
+    """How a program ended that failed, with its last lines but those to be passed over."""
+    end = f"was killed by {_signal_name(-ended.status)}" if ended.status < 0 else f"exited with status {ended.status}"
+    return f"{name} {end}: {last_lines(ended.text, passed_over)}"
+
+
+def _start(command: Sequence[str], folder: Path, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
+    try:
+        return subprocess.Popen(
+            list(command),
+            cwd=folder,
+            env=dict(environment),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            preexec_fn=_die_with_parent,
+        )
+    except OSError as error:
+        raise NotAvailable(f"{command[0]} does not start: {error.strerror}") from error
+
+
+def _die_with_parent() -> None:
+    """Runs in the child before the program: a worker that is killed in the middle of a job takes it along."""
+    if _PRCTL is not None:
+        _PRCTL(_PR_SET_PDEATHSIG, int(signal.SIGKILL), 0, 0, 0)
+
+
+def _end_of(process: subprocess.Popen[bytes]) -> os.waitid_result | None:
+    """How the program has ended, if it has. It is not reaped, so that the number of its process group stays its own."""
+    return os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+
+
+def _collect(process: subprocess.Popen[bytes], deadline: float, most: int) -> tuple[str, bool]:
+    """The last `most` bytes of what the program prints until it has ended or the deadline, a time.monotonic(), is past;
+    and whether it ended before that."""
+    assert process.stdout is not None
+    kept = bytearray()
+    with selectors.DefaultSelector() as selector:
+        os.set_blocking(process.stdout.fileno(), False)
+        selector.register(process.stdout.fileno(), selectors.EVENT_READ)
+        while True:
+            # Looked at before reading: what a program that has ended had to say is in its pipe by now.
+            ended, remaining = _end_of(process) is not None, deadline - time.monotonic()
+            if not ended and remaining <= 0.0:
+                return kept.decode("utf-8", "replace"), False
+            # With the pipe closed before the process has ended, nothing wakes this from its sleep when it has.
+            longest = _CHECK_EVERY if selector.get_map() else 0.01
+            ready = selector.select(0.0 if ended else min(longest, remaining))
+            for key, _ in ready:
+                piece = os.read(key.fd, 1 << 16)
+                kept.extend(piece)
+                del kept[:-most]
+                if not piece:
+                    selector.unregister(key.fd)
+            # Past the deadline something else keeps writing to the pipe.
+            if ended and (not ready or remaining <= 0.0):
+                return kept.decode("utf-8", "replace"), True
+
+
+def _end(process: subprocess.Popen[bytes]) -> float:
+    """Kills what is left of the program's process group, and reaps the program: its seconds of CPU time."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.stdout is not None:
+        process.stdout.close()
+    return usage.ru_utime + usage.ru_stime
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
+
+
+def last_lines(output: str, passed_over: Sequence[str] = ()) -> str:
+    """The last lines of the output as one: programs wrap their messages."""
+    lines = [line.strip() for line in output.splitlines() if line.strip() not in ("", *passed_over)]
+    text = " ".join(lines[-MESSAGE_LINES:])[-MESSAGE_CHARACTERS:]
+    return "".join(c if c.isprintable() else "?" for c in text) or "it printed nothing"
