@@ -57,8 +57,8 @@ def turn(
     """Renders, measures and writes the report, as `compare.compare`, which says what is raised."""
     comparing.check_drawn(plan)
     _make_filter_references(plan, folder / "references", progress)
-    result = comparing.compare(plan, folder, options, command, progress, tell)
     measures = knob_measures.knobs(knob_measures.TURNS, knob_measures.SETS, progress)
+    result = comparing.compare(plan, folder, options, command, progress, tell, measures)
     return Turned(result, plan, (*analyse(result.data.scenes).knobs, *measures))
 
 
