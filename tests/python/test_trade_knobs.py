@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -80,6 +81,16 @@ def test_the_hash_of_owen_is_the_baseline_of_full_owen() -> None:
     full = found["uniform, sobol", "sampler.scramble", "owen-full", "owen"]
     assert full.time.value == pytest.approx(2.0)
     assert full.error.value == pytest.approx(1.0)
+
+
+def test_what_a_mode_leaves_out_comes_before_what_its_inner_spec_does() -> None:
+    """Whatever the order of the settings."""
+    for own, inner in (("1", "2"), ("2", "1")):
+        left_out = replace(row("uniform", 1.0, 0.1), settings={"sampler": "s", "sampler.k": own})
+        plain = replace(
+            row("uniform", 2.0, 0.1), mode="uniform:sampler=s", settings={"sampler": "s", "sampler.k": inner}
+        )
+        assert set(knobs(section("a", left_out, plain))) == {("uniform, s", "sampler.k", inner, own)}
 
 
 def test_keys_of_two_inner_specs_are_two_knobs() -> None:
