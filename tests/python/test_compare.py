@@ -81,6 +81,10 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
         header = read_header(tmp_path / path)
         assert header["shift"] == f"{right},{down}"
         assert f"--shift {right},{down}" in header["command"]
+    assert first["trade"] == second["trade"]
+    assert {mode["renderer"] for mode in first["trade"]["scenes"][0]["front"]} == {
+        row["renderer"] for row in first["rows"]
+    }
     assert first["noise"] == second["noise"] == json.loads(noise)
     assert first["noise"]["told"] in run("compare", "edge", "discs", *QUICK, "-o", tmp_path).stdout
     for path, seed, cpu_seconds, samples in rows:

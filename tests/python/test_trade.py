@@ -154,6 +154,8 @@ def test_a_rate_and_the_mode_that_it_goes_on_from_are_unsure_together() -> None:
     ]
     (found,) = points([section("one", modes)])
     (family,) = families(found)
+    assert to_error(family, QUANTISATION).how == "extrapolated"
+    assert to_error(family, 0.99 * QUANTISATION).how == "cannot"
     answer = to_error(family, 0.003)
     assert answer.how == "extrapolated"
     assert answer.figures is not None
@@ -172,6 +174,14 @@ def test_what_flattens_out_or_is_alone_cannot_and_says_its_best() -> None:
     # With time enough it has the best that it has.
     last = [afford for afford in scene.equal_time if afford.family == "uniform a"][-1]
     assert last.how in ("between", "measured")
+
+
+def test_a_rate_that_bends_is_not_followed() -> None:
+    bent = [(n, 1e-3 * n, 0.1 * math.exp(-0.8 * math.log(n) + 0.04 * math.log(n) ** 2)) for n in (1, 4, 16, 64, 256)]
+    scene = scene_of(exact("uniform a", bent))
+    assert [(found.curved, reach.how) for found, reach in zip(scene.convergence, scene.quantisation, strict=True)] == [
+        (True, "cannot")
+    ]
 
 
 def test_an_error_of_zero_is_reached_by_its_mode_alone() -> None:
@@ -511,6 +521,8 @@ def test_all_scenes_in_words_and_as_a_document() -> None:
     assert told[0] == "against embree uniform a, at equal RMSE and at equal time:"
     assert "embree uniform b: time x 2 [2, 2], RMSE x 1.4 [1.4, 1.4] (2 scenes)" in told
     assert "povray am1 depth=5 against 3: time x 4 [4, 4], RMSE x 0.11 [0.11, 0.11] (1 scene)" in told
+    assert "povray am1 n=64 against 4: time x 16 [16, 16], RMSE x 0.25 [0.25, 0.25] (1 scene)" in told
+    assert words.reach_words(trade.scenes[0].quantisation[0]) == "embree uniform a 7.8 s [7.8, 7.8] (extrapolated)"
     document = json.loads(json.dumps(words.document(trade), allow_nan=False))
     assert document["base"] == {"renderer": "embree", "family": "uniform a"}
     assert [scene["scene"] for scene in document["scenes"]] == ["scene 0", "scene 1", "three"]
