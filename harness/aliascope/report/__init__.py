@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
@@ -26,6 +27,7 @@ from aliascope.report.tables import results_csv
 from aliascope.report.trade import TITLES, trade_csv
 from aliascope.report.verdicts import verdicts_html
 from aliascope.trade import Trade, analyse
+from aliascope.trade.records import Knob
 
 SCRIPTS = (
     "unpack.js",
@@ -50,14 +52,15 @@ SCRIPTS = (
 """In the order of their use of each other; they become one function, which waits for its data to be inflated."""
 
 
-def write_report(folder: Path, data: ReportData, run: Run | None = None) -> Path:
+def write_report(folder: Path, data: ReportData, run: Run | None = None, measures: Sequence[Knob] = ()) -> Path:
     """Writes report.html, results.csv and plots/ to a folder, which is made; each file whole or not at all. The
-    verdicts of a regression run come before everything else.
+    verdicts of a regression run come before everything else. `measures` are knobs beside those of the modes.
 
     Returns the path of report.html. Raises NotWritable, and InvalidInput where a picture has not its reference's size.
     """
     spectra, filters = spectra_of(data), filter_responses()
     trade = analyse(data.scenes)
+    trade = replace(trade, knobs=(*trade.knobs, *measures))
     text = _page(data, spectra, filters, run, trade)
     palette = colours([row.renderer for scene in data.scenes for row in scene.rows])
     plots = plots_of(data)
