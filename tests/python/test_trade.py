@@ -17,7 +17,7 @@ from trade_rows import drawn, row, section
 from aliascope.records import Estimate, ModeRow, SceneSection
 from aliascope.trade import QUANTISATION, Trade, analyse, words
 from aliascope.trade.front import undominated
-from aliascope.trade.reach import crossing
+from aliascope.trade.reach import crossing, families, to_error
 from aliascope.trade.records import Interval, SceneTrade
 from aliascope.trade.targets import few, series
 from aliascope.trade.uncertainty import DRAWS, points, pooled, satterthwaite, student, trigamma_inverse
@@ -99,7 +99,10 @@ def test_what_the_reference_adds_moves_all_errors_together() -> None:
     ]
     (found,) = points([section("one", modes)])
     assert found.shared == pytest.approx([0.2, 0.2])
-    assert all(each.probability == 1.0 for each in scene_of(modes).front)
+    scene = scene_of(modes)
+    assert all(each.probability == 1.0 for each in scene.front)
+    for each in scene.efficiency:  # of MSE: twice the logarithm; the ends are quantiles of so many draws
+        assert each.value.high == pytest.approx(each.value.value * math.exp(2.0 * 1.96 * 0.2), rel=0.1)
 
 
 # Equal error, equal time
@@ -141,6 +144,23 @@ def test_a_rate_that_is_known_is_followed_to_the_quantisation_and_no_further() -
     affords = {each.seconds: each for each in scene.equal_time if each.family == "uniform a"}
     assert all((each.how == "cannot") == (error < QUANTISATION) for error, each in reaches.items() if error < 0.0125)
     assert affords[100.0].error == Interval(*[pytest.approx(QUANTISATION)] * 3)
+
+
+def test_a_rate_and_the_mode_that_it_goes_on_from_are_unsure_together() -> None:
+    wave = np.array([-0.1, 0.0, 0.1])
+    modes = [
+        row("uniform a", n, (n * np.exp(wave)).tolist(), (0.1 * n**-0.5 * np.exp(wave)).tolist())
+        for n in (4, 16, 64, 256)
+    ]
+    (found,) = points([section("one", modes)])
+    (family,) = families(found)
+    answer = to_error(family, 0.003)
+    assert answer.how == "extrapolated"
+    assert answer.figures is not None
+    errors, times = found.errors[family.own], found.times[family.own]
+    # Nothing scatters about the line, so the fit anew to each draw says it all.
+    slopes = np.polyfit(np.log([4, 16, 64, 256]), errors, 1)[0]
+    np.testing.assert_allclose(answer.figures[1:], times[-1] + (math.log(0.003) - errors[-1]) / slopes)
 
 
 def test_what_flattens_out_or_is_alone_cannot_and_says_its_best() -> None:
@@ -367,6 +387,16 @@ def test_inner_specs_are_turned_from_name_to_name_and_key_by_key() -> None:
         ("sampler.scramble", "owen"): "none",
     }
     assert found["sampler.scramble", "owen"].time.value == pytest.approx(3.0)
+
+
+def test_keys_of_an_inner_spec_that_is_left_out_as_a_whole_have_no_default_there() -> None:
+    def mode(text: str, seconds: float, scramble: str) -> ModeRow:
+        keys = {"sampler": "sobol", "sampler.scramble": scramble, "zoom": "1"}
+        return row("uniform", 16, [seconds] * 3, [0.01] * 3, settings=keys, mode=f"uniform:{text}zoom=1")
+
+    modes = [mode("sampler=sobol,", 1.0, "none"), mode("", 2.0, "owen")]
+    found = {knob.knob: knob for knob in analyse([section("one", modes)]).knobs}
+    assert (found["sampler.scramble"].setting, found["sampler.scramble"].baseline) == ("owen", "none")
 
 
 def test_filters_are_compared_over_their_sections() -> None:

@@ -18,6 +18,7 @@ from aliascope.cli import (
     powering,
     regressing,
     sampling,
+    sweeping,
     teaching,
 )
 from aliascope.cli.shared import app
@@ -37,6 +38,7 @@ __all__ = [
     "powering",
     "regressing",
     "sampling",
+    "sweeping",
     "teaching",
 ]
 

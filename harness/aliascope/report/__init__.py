@@ -16,7 +16,7 @@ from markupsafe import Markup
 
 from aliascope.records import ReportData, SceneSection
 from aliascope.regression.records import Run
-from aliascope.report.document import document, script_json
+from aliascope.report.document import document, json_text
 from aliascope.report.encode import PictureStore
 from aliascope.report.files import digest, environment, source, write_text
 from aliascope.report.filters import FREQUENCIES, Response, filter_responses, filters_csv, filters_json
@@ -30,11 +30,12 @@ from aliascope.trade import Trade, analyse
 from aliascope.trade.records import Knob
 
 SCRIPTS = (
+    "unpack.js",
+    "packed_data.js",
     "core.js",
     "metrics.js",
     "costs.js",
     "state.js",
-    "unpack.js",
     "pictures.js",
     "plot.js",
     "spectrum.js",
@@ -48,7 +49,7 @@ SCRIPTS = (
     "viewer.js",
     "page.js",
 )
-"""In the order of their use of each other; they become one function."""
+"""In the order of their use of each other; they become one function, which waits for its data to be inflated."""
 
 
 def write_report(folder: Path, data: ReportData, run: Run | None = None, measures: Sequence[Knob] = ()) -> Path:
@@ -90,7 +91,7 @@ def _page(
     values["filters"] = {"frequencies": FREQUENCIES, "responses": filters_json(filters)}
     style = source("page.css") + source("trade.css") + (source("verdicts.css") if run else "")
     body = "\n".join(source(name) for name in SCRIPTS)
-    script = f'(() => {{\n"use strict";\n{body}\n}})();\n'
+    script = f'(async () => {{\n"use strict";\n{body}\n}})();\n'
     pages = environment()
     pages.filters |= {
         "figures": _figures,
@@ -111,7 +112,7 @@ def _page(
         policy=f"default-src 'none'; script-src '{digest(script)}'; style-src '{digest(style)}'",
         style=Markup(style),  # ours
         script=Markup(script),  # ours
-        json=Markup(script_json(values)),  # escaped by script_json
+        json=Markup(json_text(values)),  # of characters that mean nothing to HTML
         pictures=[Markup(text) for text in pictures.texts],  # of characters that mean nothing to HTML
         verdicts=verdicts_html(run, pages),
     )
