@@ -56,7 +56,8 @@ def ratios(path: Path, size: tuple[int, int], budget: float | None) -> list[floa
     known = grid.found.best_known()
     print(
         f"{path.name}: {len(ours.found.whole)} whole pictures and {len(ours.found.looked)} looks in "
-        f"{ours.wall_seconds:.0f} s; the grid: {len(known)} in {grid.wall_seconds:.0f} s"
+        f"{ours.wall_seconds:.0f} s; the grid: {len(known)} in {grid.wall_seconds:.0f} s",
+        flush=True,
     )
     own = ours.answers[""]
     found = []
@@ -68,7 +69,8 @@ def ratios(path: Path, size: tuple[int, int], budget: float | None) -> list[floa
         found.append(again[chosen] / again[best])
         print(
             f"  {name:<9}{options(chosen):<28}{again[chosen]:.3f} s, RMSE {error:.3g}; best of the grid "
-            f"{options(best):<28}{again[best]:.3f} s: ratio {found[-1]:.3f}"
+            f"{options(best):<28}{again[best]:.3f} s: ratio {found[-1]:.3f}",
+            flush=True,
         )
     return found
 

@@ -48,7 +48,7 @@ REPORT_SECONDS, REPORT_SECONDS_A_VALUE = 3.0, 6e-6
 Python takes to begin is in the first."""
 FEWEST_ROWS, MOST_ROWS = 6, 40
 """Settings in a report, as there is time; all are in --json."""
-LARGEST_REPORT_SHARE = 0.4
+LARGEST_REPORT_SHARE = 0.25
 """Of the budget."""
 EXHAUSTIVE = 7 * 24 * 3600.0
 """Seconds that the whole grid may take, where no budget is given."""

@@ -127,6 +127,11 @@ def _figures(swept: Swept, candidate: Candidate) -> str:
     return f"{_seconds(seconds):<28}RMSE {_error(error)}{_natural_end(swept, error)}"
 
 
+def _in_one(swept: Swept, candidate: Candidate) -> str:
+    """The figures of a setting in a sentence."""
+    return ", RMSE ".join(" ".join(part.split()) for part in _figures(swept, candidate).split("RMSE"))
+
+
 def _natural_end(swept: Swept, error: Estimate) -> str:
     assert error.value is not None
     if error.value <= QUANTISATION:
@@ -204,8 +209,8 @@ def write(swept: Swept, started: datetime, said: str) -> Path:
         pictures=len(section.rows),
         reused=0,
         headlines=(
-            *(f"{what.capitalize()}: {_figures(swept, c)}: {command(swept, c)}" for what, c in _three(own)),
-            *swept.notes,
+            *(f"{what.capitalize()}: {_in_one(swept, c)}: {command(swept, c)}" for what, c in _three(own)),
+            *(note[0].upper() + note[1:] + "." for note in swept.notes),
         ),
         scenes=(section,),
         failures=(),
