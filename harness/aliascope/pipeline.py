@@ -117,7 +117,17 @@ def provenance(job: Job, rendering: Rendering, versions: Mapping[str, str]) -> d
 def repeat_command(job: Job, time_limit: float = Request.time_limit) -> str:
     """The command that renders a job again, alone, with the plugins that its mode names."""
     scene = job.scene if Path(job.scene_path).parent == places.SCENES else job.scene_path
-    words = ["aliascope", "render", scene, "-r", job.renderer, "-m", job.mode, "--seed", str(job.seed)]
+    words = [
+        "aliascope",
+        "render",
+        scene,
+        "-r",
+        renderers.word_of(job.renderer),
+        "-m",
+        job.mode,
+        "--seed",
+        str(job.seed),
+    ]
     words += ["--size", f"{job.width}x{job.height}", "-o", "out.exr"]
     if job.shift != UNMOVED:
         words += ["--shift", text_of(job.shift)]

@@ -99,6 +99,7 @@ class PovRay:
     )
     probe_mode = "am1:depth=9,jitter=0,threshold=0"
     single_mode = "none"
+    shifts = True
     absent: Mapping[str, str] = {
         "gloss": "POV-Ray 3.7 mirrors sharply; what blurs its mirrors is a bumpy surface, whose lobe has no formula",
         "diffuse bounces": "POV-Ray's radiosity interpolates between places, an error that more samples leave",
