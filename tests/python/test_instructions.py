@@ -27,9 +27,9 @@ def allowed(event: Event) -> bool:
     return found.value is not None
 
 
-def expected(event: Event, value: float, rel: float, abs: float | None = None) -> object:
+def expected(event: Event, value: float, rel: float, within: float | None = None) -> object:
     """What is to be found of an event: nothing, where the kernel or the machine does not count it."""
-    return pytest.approx(value, rel=rel, abs=abs) if allowed(event) else None
+    return pytest.approx(value, rel=rel, abs=within) if allowed(event) else None
 
 
 def test_what_is_inside_is_counted_and_nothing_else() -> None:
@@ -42,7 +42,7 @@ def test_what_is_inside_is_counted_and_nothing_else() -> None:
         time.sleep(0.05)
         took = time.thread_time() - begun
     spin(0.02)
-    assert found.value == expected(TASK_CLOCK, 1e9 * took, rel=0.05, abs=1e6)
+    assert found.value == expected(TASK_CLOCK, 1e9 * took, rel=0.05, within=1e6)
 
 
 def test_threads_that_are_started_meanwhile_count_too_and_others_do_not() -> None:
@@ -98,7 +98,7 @@ def test_renderers_count_their_rendering(name: str, mode: str, module: object, m
     renderer = renderers.find(name)
     scene = scene_io.load("spheres").scene
     cost = renderer.render(Request(scene, 64, 48, renderers.mode_of(renderer, mode), least_seconds=0.05)).cost
-    assert cost.instructions == expected(TASK_CLOCK, 1e9 * cost.cpu_seconds, rel=0.2, abs=1e6)
+    assert cost.instructions == expected(TASK_CLOCK, 1e9 * cost.cpu_seconds, rel=0.2, within=1e6)
 
 
 @pytest.mark.parametrize(("name", "mode"), [("embree", "uniform:n=16"), ("osmesa", "accumulate:n=16")])
