@@ -49,7 +49,9 @@ def code_of(renderer: str, with_samplers: bool) -> tuple[Path, ...]:
     """
     here = Path(__file__).parent
     own = _own_files(here, renderer)
-    others = {path for name in renderers.RENDERERS if name != renderer for path in _own_files(here, name)} - own
+    others = {path for name in renderers.BUILT_IN if name != renderer for path in _own_files(here, name)}
+    others |= _external_files(here)
+    others -= own
     libraries = set((here / "native" / "lib").glob("*.so"))
     if not with_samplers:
         libraries = {path for path in libraries if path.name != SAMPLER_LIBRARY}
@@ -60,12 +62,19 @@ def code_of(renderer: str, with_samplers: bool) -> tuple[Path, ...]:
 
 
 def _own_files(here: Path, renderer: str) -> set[Path]:
+    """Those of a renderer that is none of ours are what runs it and writes scenes for it, as glTF or for POV-Ray."""
+    if renderer not in renderers.BUILT_IN:
+        return {*_external_files(here), *(here / "gltf").glob("*.py"), *(here / "renderers").glob("povray*.py")}
     native = renderers.find(renderer).native
     return {
         *(here / "renderers").glob(f"{renderer}*.py"),
         *(here / "native" / f"{name}.py" for name in native),
         *(here / "native" / "lib" / f"libaliascope-{name}.so" for name in native),
     }
+
+
+def _external_files(here: Path) -> set[Path]:
+    return set((here / "renderers").glob("external*.py"))
 
 
 @functools.cache
@@ -151,7 +160,8 @@ def _jobs(
     if renderer.seeded(spec):
         made = [(seed, draws.UNMOVED) for seed in range(seeds)]
     else:
-        made = [(0, shift) for shift in places_of(file, pixels, filter_of(spec), seeds)]
+        places = places_of(file, pixels, filter_of(spec), seeds if renderer.shifts else 1)
+        made = [(0, shift) for shift in places]
     for seed, shift in made:
         yield plan.make_job(
             scene=file.name,

@@ -27,7 +27,7 @@ _SAFETY: Mapping[str, Values] = {"packet": (1, 4, 8), "robust": ("off",), "film"
 _PATTERNS = (
     *("random", "jittered", "halton", "sobol"),
     *(f"sobol,sampler.scramble={scramble}" for scramble in ("shift", "digit", "owen-full")),
-    *(f"halton,sampler.scramble={scramble}" for scramble in ("shift", "digit", "owen")),
+    *(f"halton,sampler.scramble={scramble}" for scramble in ("shift", "owen")),
 )
 
 _DECIDING: Mapping[str, Values] = {"method.confidence": (0.8, 0.99), "method.minimum": (4, 16), "method.batch": (4,)}
@@ -57,7 +57,6 @@ EMBREE_ADAPTIVE = (
 
 EMBREE = (
     *_about("uniform", {"n": 64}, {"n": (4, 16, 256), **_SAFETY, "sampler": _PATTERNS}),
-    *_about("uniform", {"n": 16}, _SAFETY)[1:],
     *_about("uniform", {"filter": "mitchell", "n": 64}, {"film": ("float",)}),
     *EMBREE_ADAPTIVE,
 )
@@ -72,7 +71,7 @@ _FRAMES = _about("accumulate", {"n": 16}, {"n": (4, 64), "sampler": _SEQUENCES})
 _POVRAY_GRIDS = tuple(
     mode
     for form, depths in (("am1", (2, 5)), ("am2", (2, 4)))
-    for mode in _about(form, {"depth": 3}, {"depth": depths, "threshold": (0, 0.03, 0.3), "jitter": (0, 0.5)})
+    for mode in _about(form, {"depth": 3}, {"depth": depths, "threshold": (0, 0.03, 0.3), "jitter": (0,)})
 )
 """The forms' defaults are the middle: threshold 0.1, jitter 1."""
 

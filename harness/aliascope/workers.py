@@ -13,6 +13,7 @@ from typing import Any, Generic, TypeVar
 import pebble
 from pebble import ProcessExpired, ProcessPool
 
+from aliascope import at_start
 from aliascope.errors import JobFailed
 from aliascope.native import samplers
 
@@ -62,7 +63,7 @@ class Workers:
             max_workers=processes,
             context=multiprocessing.get_context("spawn"),
             initializer=_begin,
-            initargs=([plugin.path for plugin in samplers.plugins()],),
+            initargs=([plugin.path for plugin in samplers.plugins()], at_start.steps()),
         )
 
     def __enter__(self) -> Workers:
@@ -83,8 +84,10 @@ class Workers:
         return Task(self._pool.schedule(task, args=arguments, timeout=limit), limit)
 
 
-def _begin(plugins: list[str]) -> None:
+def _begin(plugins: list[str], steps: list[at_start.Step]) -> None:
     pebble.CONSTS.channel_lock_timeout = PIPE_PATIENCE
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's to handle
     for plugin in plugins:
         samplers.load_plugin(plugin)
+    for function, arguments in steps:
+        function(*arguments)

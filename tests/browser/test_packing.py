@@ -33,6 +33,8 @@ def test_the_page_unpacks_the_same_bits(browser: Browser) -> None:
         (np.round(lit(9) * 8) / np.float32(8), known, 0.0),
         (lit(0, noise=0.0), Known(None, known.relations), 0.0),
     ]
+    half = np.where(np.arange(WIDTH)[:, np.newaxis] < WIDTH // 2, lit(0), lit(9))
+    cases.append((half, Known(lit(0), known.relations), 0.0))  # the reference's own pixels
     kinds = set()
     page = browser.new_page()
     page.add_script_tag(

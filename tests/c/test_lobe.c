@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "arithmetic.h"
+#include "concentric.h"
 #include "hash.h"
 #include "lobe.h"
 
@@ -86,6 +87,19 @@ static void elementary_functions_are_within_what_is_said(void **state) {
     assert_near("exponential_less_one", y, exponential_less_one(y), expm1l(y), 2.5e-16L);
     if (logarithm < 690.0L)
       assert_near("power_of_fraction", base, power_of_fraction(base, exponent), power, 3e-16L * (1.0L + logarithm));
+  }
+}
+
+/* What points of discs are made of. */
+static void eighths_of_turns_are_within_two_roundings(void **state) {
+  (void)state;
+  uint64_t numbers = 3;
+  for (int i = 0; i < 100000; i++) {
+    const double x = (2.0 * random_unit(&numbers) - 1.0) * (ASC_PI / 4.0) * pow(2.0, -(i % 20));
+    double sine, cosine;
+    asc_eighth_turn(x, &sine, &cosine);
+    assert_near("sine", x, sine, sinl(x), 0x1p-52L);
+    assert_near("cosine", x, cosine, cosl(x), 0x1p-52L);
   }
 }
 
@@ -212,6 +226,7 @@ int main(void) {
       cmocka_unit_test(elementary_functions_are_those_of_mpmath),
       cmocka_unit_test(elementary_functions_have_their_limits),
       cmocka_unit_test(elementary_functions_are_within_what_is_said),
+      cmocka_unit_test(eighths_of_turns_are_within_two_roundings),
       cmocka_unit_test(samples_have_the_density_of_their_lobe),
       cmocka_unit_test(phong_samples_lie_where_their_lobe_has_them),
       cmocka_unit_test(nothing_is_below_the_surface),

@@ -17,7 +17,7 @@ from trade_rows import drawn, row, section
 from aliascope.records import Estimate, ModeRow, SceneSection
 from aliascope.trade import QUANTISATION, Trade, analyse, words
 from aliascope.trade.front import undominated
-from aliascope.trade.reach import crossing
+from aliascope.trade.reach import crossing, families, to_error
 from aliascope.trade.records import Interval, SceneTrade
 from aliascope.trade.targets import few, series
 from aliascope.trade.uncertainty import DRAWS, points, pooled, satterthwaite, student, trigamma_inverse
@@ -99,7 +99,10 @@ def test_what_the_reference_adds_moves_all_errors_together() -> None:
     ]
     (found,) = points([section("one", modes)])
     assert found.shared == pytest.approx([0.2, 0.2])
-    assert all(each.probability == 1.0 for each in scene_of(modes).front)
+    scene = scene_of(modes)
+    assert all(each.probability == 1.0 for each in scene.front)
+    for each in scene.efficiency:  # of MSE: twice the logarithm; the ends are quantiles of so many draws
+        assert each.value.high == pytest.approx(each.value.value * math.exp(2.0 * 1.96 * 0.2), rel=0.1)
 
 
 # Equal error, equal time
@@ -143,6 +146,25 @@ def test_a_rate_that_is_known_is_followed_to_the_quantisation_and_no_further() -
     assert affords[100.0].error == Interval(*[pytest.approx(QUANTISATION)] * 3)
 
 
+def test_a_rate_and_the_mode_that_it_goes_on_from_are_unsure_together() -> None:
+    wave = np.array([-0.1, 0.0, 0.1])
+    modes = [
+        row("uniform a", n, (n * np.exp(wave)).tolist(), (0.1 * n**-0.5 * np.exp(wave)).tolist())
+        for n in (4, 16, 64, 256)
+    ]
+    (found,) = points([section("one", modes)])
+    (family,) = families(found)
+    assert to_error(family, QUANTISATION).how == "extrapolated"
+    assert to_error(family, 0.99 * QUANTISATION).how == "cannot"
+    answer = to_error(family, 0.003)
+    assert answer.how == "extrapolated"
+    assert answer.figures is not None
+    errors, times = found.errors[family.own], found.times[family.own]
+    # Nothing scatters about the line, so the fit anew to each draw says it all.
+    slopes = np.polyfit(np.log([4, 16, 64, 256]), errors, 1)[0]
+    np.testing.assert_allclose(answer.figures[1:], times[-1] + (math.log(0.003) - errors[-1]) / slopes)
+
+
 def test_what_flattens_out_or_is_alone_cannot_and_says_its_best() -> None:
     flat = exact("uniform a", [(4**k, 1e-3 * 4**k, 0.02 + 0.1 * 4.0**-k) for k in range(5)])
     alone = exact("none", [(1, 1e-4, 0.1)], "osmesa")
@@ -152,6 +174,14 @@ def test_what_flattens_out_or_is_alone_cannot_and_says_its_best() -> None:
     # With time enough it has the best that it has.
     last = [afford for afford in scene.equal_time if afford.family == "uniform a"][-1]
     assert last.how in ("between", "measured")
+
+
+def test_a_rate_that_bends_is_not_followed() -> None:
+    bent = [(n, 1e-3 * n, 0.1 * math.exp(-0.8 * math.log(n) + 0.04 * math.log(n) ** 2)) for n in (1, 4, 16, 64, 256)]
+    scene = scene_of(exact("uniform a", bent))
+    assert [(found.curved, reach.how) for found, reach in zip(scene.convergence, scene.quantisation, strict=True)] == [
+        (True, "cannot")
+    ]
 
 
 def test_an_error_of_zero_is_reached_by_its_mode_alone() -> None:
@@ -351,7 +381,7 @@ def test_knobs_are_turned_one_at_a_time() -> None:
         assert knob.error == Interval(*[pytest.approx(error)] * 3)
 
 
-def test_inner_specs_are_turned_as_a_whole_and_key_by_key() -> None:
+def test_inner_specs_are_turned_from_name_to_name_and_key_by_key() -> None:
     def mode(sampler: str, seconds: float, **inner: str) -> ModeRow:
         given_keys = ",".join([f"sampler={sampler}", *(f"sampler.{key}={value}" for key, value in inner.items())])
         whole = f"{sampler}:{','.join(f'{key}={value}' for key, value in inner.items())}".removesuffix(":")
@@ -364,11 +394,19 @@ def test_inner_specs_are_turned_as_a_whole_and_key_by_key() -> None:
     found = {(knob.knob, knob.setting): knob for knob in analyse([section("one", modes)]).knobs}
     assert {key: knob.baseline for key, knob in found.items()} == {
         ("sampler", "sobol"): "random",
-        ("sampler", "sobol:scramble=owen"): "random",
         ("sampler.scramble", "owen"): "none",
     }
     assert found["sampler.scramble", "owen"].time.value == pytest.approx(3.0)
-    assert found["sampler", "sobol:scramble=owen"].time.value == pytest.approx(6.0)
+
+
+def test_keys_of_an_inner_spec_that_is_left_out_as_a_whole_have_no_default_there() -> None:
+    def mode(text: str, seconds: float, scramble: str) -> ModeRow:
+        keys = {"sampler": "sobol", "sampler.scramble": scramble, "zoom": "1"}
+        return row("uniform", 16, [seconds] * 3, [0.01] * 3, settings=keys, mode=f"uniform:{text}zoom=1")
+
+    modes = [mode("sampler=sobol,", 1.0, "none"), mode("", 2.0, "owen")]
+    found = {knob.knob: knob for knob in analyse([section("one", modes)]).knobs}
+    assert (found["sampler.scramble"].setting, found["sampler.scramble"].baseline) == ("owen", "none")
 
 
 def test_filters_are_compared_over_their_sections() -> None:
@@ -483,6 +521,8 @@ def test_all_scenes_in_words_and_as_a_document() -> None:
     assert told[0] == "against embree uniform a, at equal RMSE and at equal time:"
     assert "embree uniform b: time x 2 [2, 2], RMSE x 1.4 [1.4, 1.4] (2 scenes)" in told
     assert "povray am1 depth=5 against 3: time x 4 [4, 4], RMSE x 0.11 [0.11, 0.11] (1 scene)" in told
+    assert "povray am1 n=64 against 4: time x 16 [16, 16], RMSE x 0.25 [0.25, 0.25] (1 scene)" in told
+    assert words.reach_words(trade.scenes[0].quantisation[0]) == "embree uniform a 7.8 s [7.8, 7.8] (extrapolated)"
     document = json.loads(json.dumps(words.document(trade), allow_nan=False))
     assert document["base"] == {"renderer": "embree", "family": "uniform a"}
     assert [scene["scene"] for scene in document["scenes"]] == ["scene 0", "scene 1", "three"]

@@ -279,6 +279,8 @@ def _material(opened: Document, primitive: Primitive, notes: dict[str, None]) ->
     for key, value in found.extensions.items():
         if key == "KHR_materials_emissive_strength" and isinstance(value, dict):
             strength = value.get("emissiveStrength", 1.0)
+        elif key == "KHR_materials_specular" and isinstance(value, dict) and value.get("specularFactor") == 0:
+            pass  # matt, as all is
         elif key != "KHR_materials_unlit":
             notes[f"{key} of {told} is not drawn"] = None
     if not isinstance(strength, int | float) or not 0.0 <= strength <= model.LARGEST_COORDINATE:

@@ -56,10 +56,12 @@ class Renderer(Protocol):
     """A renderer. `title` is what people call it; `draws` are the features of scenes that it can draw.
 
     `native` names its own libraries libaliascope-NAME.so, and the modules of `aliascope.native` that wrap them. With
-    these, its files are `renderers/NAME*.py`: pictures are made again when one of them changes.
+    these, its files are `renderers/NAME*.py`: pictures are made again when one of them changes. One that is none of
+    ours says in `versions` what its pictures depend on, and may have `profiles`, its modes by the profile's name.
     `probe_mode` is a mode that resolves a hundredth of a pixel, its pattern centred in the pixel; `single_mode` has one
     sample, at the pixel's centre. Neither is random. They draw polygons seen orthographically at least: `doctor` looks
     at those.
+    `shifts`: whether it moves the film, as `Request.shift` asks for; else a mode without a seed has one draw.
     `absent`: of features that it does not draw though one might expect them of it, why, in words that stand alone.
     """
 
@@ -70,6 +72,7 @@ class Renderer(Protocol):
     native: tuple[str, ...]
     probe_mode: str
     single_mode: str
+    shifts: bool
     absent: Mapping[str, str]
 
     def versions(self) -> Mapping[str, str]:

@@ -114,6 +114,7 @@ class Embree:
     draws = tracer.DRAWS
     probe_mode = "uniform:n=256,sampler=regular"
     single_mode = "uniform:n=1,sampler=regular"
+    shifts = True
     absent: Mapping[str, str] = {}
 
     def versions(self) -> Mapping[str, str]:

@@ -131,6 +131,7 @@ class OSMesa:
     )
     probe_mode = "accumulate:n=256,sampler=regular"
     single_mode = "none"
+    shifts = True
     absent: Mapping[str, str] = {}
 
     def versions(self) -> Mapping[str, str]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from markupsafe import Markup
 
 from aliascope.records import ReportData, SceneSection
 from aliascope.regression.records import Run
-from aliascope.report.document import document, script_json
+from aliascope.report.document import document, json_text
 from aliascope.report.encode import PictureStore
 from aliascope.report.files import digest, environment, source, write_text
 from aliascope.report.filters import FREQUENCIES, Response, filter_responses, filters_csv, filters_json
@@ -26,13 +27,15 @@ from aliascope.report.tables import results_csv
 from aliascope.report.trade import TITLES, trade_csv
 from aliascope.report.verdicts import verdicts_html
 from aliascope.trade import Trade, analyse
+from aliascope.trade.records import Knob
 
 SCRIPTS = (
+    "unpack.js",
+    "packed_data.js",
     "core.js",
     "metrics.js",
     "costs.js",
     "state.js",
-    "unpack.js",
     "pictures.js",
     "plot.js",
     "spectrum.js",
@@ -46,17 +49,18 @@ SCRIPTS = (
     "viewer.js",
     "page.js",
 )
-"""In the order of their use of each other; they become one function."""
+"""In the order of their use of each other; they become one function, which waits for its data to be inflated."""
 
 
-def write_report(folder: Path, data: ReportData, run: Run | None = None) -> Path:
+def write_report(folder: Path, data: ReportData, run: Run | None = None, measures: Sequence[Knob] = ()) -> Path:
     """Writes report.html, results.csv and plots/ to a folder, which is made; each file whole or not at all. The
-    verdicts of a regression run come before everything else.
+    verdicts of a regression run come before everything else. `measures` are knobs beside those of the modes.
 
     Returns the path of report.html. Raises NotWritable, and InvalidInput where a picture has not its reference's size.
     """
     spectra, filters = spectra_of(data), filter_responses()
     trade = analyse(data.scenes)
+    trade = replace(trade, knobs=(*trade.knobs, *measures))
     text = _page(data, spectra, filters, run, trade)
     palette = colours([row.renderer for scene in data.scenes for row in scene.rows])
     plots = plots_of(data)
@@ -87,7 +91,7 @@ def _page(
     values["filters"] = {"frequencies": FREQUENCIES, "responses": filters_json(filters)}
     style = source("page.css") + source("trade.css") + (source("verdicts.css") if run else "")
     body = "\n".join(source(name) for name in SCRIPTS)
-    script = f'(() => {{\n"use strict";\n{body}\n}})();\n'
+    script = f'(async () => {{\n"use strict";\n{body}\n}})();\n'
     pages = environment()
     pages.filters |= {
         "figures": _figures,
@@ -108,7 +112,7 @@ def _page(
         policy=f"default-src 'none'; script-src '{digest(script)}'; style-src '{digest(style)}'",
         style=Markup(style),  # ours
         script=Markup(script),  # ours
-        json=Markup(script_json(values)),  # escaped by script_json
+        json=Markup(json_text(values)),  # of characters that mean nothing to HTML
         pictures=[Markup(text) for text in pictures.texts],  # of characters that mean nothing to HTML
         verdicts=verdicts_html(run, pages),
     )

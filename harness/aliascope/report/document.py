@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -11,7 +12,15 @@ from typing import Any
 import numpy as np
 
 from aliascope.records import Estimate, ModeRow, ReportData, SceneSection
-from aliascope.report.encode import PictureStore, counts_picture, error_map, error_scale, surprise_picture, worst_pixel
+from aliascope.report.encode import (
+    PictureStore,
+    counts_picture,
+    error_map,
+    error_scale,
+    surprise_picture,
+    to_text,
+    worst_pixel,
+)
 from aliascope.report.packing import Known
 from aliascope.report.pool import Curve, curve_of, in_common, pool, rounded, under_one_filter
 from aliascope.report.relations import find_relations
@@ -46,6 +55,12 @@ def document(
         "pooled": [_curve(curve) for curve in pool(common)],
         "trade": trade_json(trade),
     }
+
+
+def json_text(value: Json) -> str:
+    """JSON, deflated, as the text that pictures stand in too."""
+    data = json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":")).encode()
+    return to_text(zlib.compress(data, 9))
 
 
 def script_json(value: Json) -> str:

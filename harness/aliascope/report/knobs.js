@@ -4,8 +4,9 @@
 const sideOf = ([, low, high]) => (high !== null && high < 1 ? -1 : low !== null && low > 1 ? 1 : 0);
 
 /** What a setting does, in words, and whether that is good (1), bad (-1) or a trade (0). */
-function verdictOf({ time, error }) {
+function verdictOf({ kind, time, error }) {
   const [t, e] = [sideOf(time), sideOf(error)];
+  if (kind === "measure") return [`${{ "-1": "faster, ", 1: "slower, " }[t] ?? ""}known to ${figure(100 * error[0], 2)} %`, t < 0 ? 0 : -1];
   const words = [{ "-1": "faster", 1: "slower" }[t], { "-1": "better", 1: "worse" }[e]].filter(Boolean);
   const sum = t * e < 0 ? 0 : -Math.sign(t + e);
   if (!words.length) return ["no difference told", 0];
@@ -38,7 +39,7 @@ function knobTable() {
     h("tr", { class: "group" }, h("th", { scope: "rowgroup", colspan: 8 }, knobGroup(knobs[0], name))),
     knobs.map((knob) => knobRow(knob, widest))));
   return [
-    h("p", {}, "What one setting does to time and to RMSE where all else is the same: the geometric mean of the ratios to the setting it is set against, over scenes and other settings. Below 1 is better."),
+    h("p", {}, "What one setting does to time and to RMSE where all else is the same: the geometric mean of the ratios to the setting it is set against, over scenes and other settings. Below 1 is better. Of measures of point sets RMSE is the width of their bounds over the exact value."),
     scrolled("Knobs", h("table", { class: "plain trade knobs" }, h("caption", { class: "hidden" }, "Ratios of time and of error of each setting"),
       headRow(titles, ["So it is"]), bodies)),
     h("p", { class: "note" }, `In the small pictures, ● is time and ■ error, 1 in the middle, ${figure(widest, 2)} at the right end. ✓ marks what is better in one and not told to be worse in the other, ✗ the opposite.`),

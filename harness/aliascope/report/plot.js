@@ -184,7 +184,7 @@ class Plot {
     const right = this.width - plotMargin.right;
     this.svg.append(s("g", { class: "quantisation" },
       s("line", { x1: plotMargin.left, x2: right, y1: y, y2: y }),
-      s("text", { x: right - 2, y: y - 4, "text-anchor": "end" }, `rounding to 8 bits, ${figure(error)}`)));
+      s("text", { x: right - 2, y: y - 4, "text-anchor": "end" }, this.width < 480 ? "8 bits" : `rounding to 8 bits, ${figure(error)}`)));
   }
 
   drawFront(metric) {

@@ -103,7 +103,7 @@ class ModeTable {
     const known = this.picks ? tradeOf(this.scene)?.efficiency ?? {} : {};
     columns_["efficiency±"] = this.sorted.map((row, i) => {
       const ends = known[identity(row)];
-      return ends ? rangeText(...ends.slice(1).map((end) => (end === null ? null : end / 10 ** this.power))) : columns_["efficiency±"][i];
+      return ends ? rangeText(...ends.slice(1).map((end) => (end === null ? null : end / 10 ** this.power))).replace(" to ", "\u2013") : columns_["efficiency±"][i];
     });
     columns_.error = columns_.error.map((text, i) => (badnessOf(this.sorted[i], metric) === -Infinity ? "∞" : text));
     columns_.spp = alignPoints(this.sorted.map((row) => (Number.isInteger(row.spp) ? groups(String(row.spp)) : figure(row.spp))));

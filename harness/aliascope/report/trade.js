@@ -47,11 +47,12 @@ class TradeTables {
   constructor(host) {
     this.tabs = tabsOfTrade();
     this.buttons = this.tabs.map((tab) => h("button",
-      { type: "button", role: "tab", id: `trade-tab-${tab}`, "aria-controls": "trade-panel", click: () => change({ trade: tab }) }, tabNames[tab]));
-    this.panel = h("div", { role: "tabpanel", id: "trade-panel", class: "trade-panel" });
+      { type: "button", role: "tab", id: `trade-tab-${tab}`, "aria-controls": `trade-panel-${tab}`, click: () => change({ trade: tab }) }, tabNames[tab]));
+    this.panels = this.tabs.map((tab) =>
+      h("div", { role: "tabpanel", id: `trade-panel-${tab}`, class: "trade-panel", "aria-labelledby": `trade-tab-${tab}` }));
     const list = h("div", { class: "tabs", role: "tablist", "aria-label": "Tables of the trade" }, this.buttons);
     list.addEventListener("keydown", (event) => this.key(event));
-    host.append(list, this.panel);
+    host.append(list, ...this.panels);
     onChange((changed) => ["trade", "scene", "reach", "afford"].some((key) => changed.has(key)) && this.draw());
     this.draw();
   }
@@ -71,18 +72,28 @@ class TradeTables {
     event.stopPropagation();
   }
 
+  /** All of them: those that are not in sight are printed too. */
   draw() {
-    const tab = this.current();
-    this.buttons.forEach((button, i) => {
-      button.setAttribute("aria-selected", String(this.tabs[i] === tab));
-      button.setAttribute("tabindex", this.tabs[i] === tab ? "0" : "-1");
+    const current = this.current();
+    this.tabs.forEach((tab, i) => {
+      this.buttons[i].setAttribute("aria-selected", String(tab === current));
+      this.buttons[i].setAttribute("tabindex", tab === current ? "0" : "-1");
+      const panel = this.panels[i];
+      panel.hidden = tab !== current;
+      const focused = panel.contains(document.activeElement) ? document.activeElement.dataset.keep : undefined;
+      panel.replaceChildren(h("h4", { class: "print-title" }, tabNames[tab]), ...this.contents(tab).flat(Infinity).filter(Boolean));
+      if (focused !== undefined) panel.querySelector(`[data-keep="${CSS.escape(focused)}"]`)?.focus();
     });
-    this.panel.setAttribute("aria-labelledby", `trade-tab-${tab}`);
-    const focused = this.panel.contains(document.activeElement) ? document.activeElement.dataset.keep : null;
-    this.panel.replaceChildren(...{
-      error: () => this.reach(), time: () => this.afford(), rate: () => this.rates(), scenes: () => this.ratios(), knobs: () => knobTable(),
-    }[tab]().flat(Infinity).filter(Boolean));
-    if (focused) this.panel.querySelector(`[data-keep="${CSS.escape(focused)}"]`)?.focus();
+  }
+
+  contents(tab) {
+    switch (tab) {
+      case "error": return this.reach();
+      case "time": return this.afford();
+      case "rate": return this.rates();
+      case "scenes": return this.ratios();
+      default: return knobTable();
+    }
   }
 
   sceneChooser() {

@@ -30,6 +30,7 @@ from aliascope.studies import probes
 from aliascope.studies.headlines import headlines
 from aliascope.studies.progress import converging
 from aliascope.trade import words
+from aliascope.trade.records import Knob
 from aliascope.workers import Workers
 
 
@@ -50,9 +51,10 @@ def compare(
     command: str,
     progress: Progress,
     tell: Callable[[str], None],
+    measures: Sequence[Knob] = (),
 ) -> Comparison:
     """Renders what `folder` does not have yet, and writes results and report there. `tell` is given what a user has to
-    know, `progress` what takes time.
+    know, `progress` what takes time. `measures` are shown with the knobs of the modes.
 
     Raises CheckFailed for a scene of the project without its reference, Unsupported for a scene that nothing draws,
     NotWritable for the folder.
@@ -102,7 +104,7 @@ def compare(
         probe_limits=probes.LIMITS,
         noise=noise,
     )
-    return Comparison(write_report(folder, data), data, len(outcomes) - reused, outcomes)
+    return Comparison(write_report(folder, data, measures=measures), data, len(outcomes) - reused, outcomes)
 
 
 def _side_by_side(outcomes: Iterable[Outcome]) -> str:

@@ -11,7 +11,7 @@ import OpenImageIO as oiio
 from numpy.typing import NDArray
 
 from aliascope.errors import InvalidInput, NotWritable
-from aliascope.image import opened, read_image, write_exr
+from aliascope.image import decode_srgb, opened, read_image, write_exr
 from aliascope.metrics import check_finite
 from aliascope.records import Pixels
 
@@ -162,13 +162,6 @@ def _open(stored: Stored, space: str, stated: bool) -> Opened:
             )
         pixels = decode_srgb(pixels)
     return Opened(pixels, stored, space, stated)
-
-
-def decode_srgb(encoded: NDArray[np.float32]) -> Pixels:
-    """Linear values of sRGB ones, in float32; IEC 61966-2-1:1999, negative ones by the curve's mirror image."""
-    size = np.abs(encoded.astype(np.float64))
-    linear = np.where(size <= 0.04045, size / 12.92, ((size + 0.055) / 1.055) ** 2.4)
-    return np.copysign(linear, encoded).astype(np.float32)
 
 
 # --- drawing ----------------------------------------------------------------------------------------------------------

@@ -55,9 +55,9 @@ def markdown(knobs: Sequence[Knob]) -> list[str]:
 
 
 def lines(turned: Turned) -> list[str]:
-    told = comparing.summary_lines(turned.comparison, turned.plan)
-    kept = len(turned.comparison.data.headlines) + 2  # what was rendered, and the path, end the list
-    return [*told[: len(told) - kept], *table(turned.knobs), NOTE, *told[-2:]]
+    headlines = turned.comparison.data.headlines
+    told = [line for line in comparing.summary_lines(turned.comparison, turned.plan) if line not in headlines]
+    return [*table(turned.knobs), NOTE, *told]
 
 
 def document(turned: Turned) -> dict[str, Any]:

@@ -27,9 +27,9 @@ from aliascope.trade.records import Knob
 
 PROFILE = "knobs"
 
-FILTER_SAMPLES = 512
-"""Of a pixel in each of 32 pictures of a filter's reference: an eighth of what kept references have, and a standard
-error of a hundredth of the errors that it judges, which the errors state too."""
+FILTER_SAMPLES = 256
+"""Of a pixel in each of 32 pictures of a filter's reference: a sixteenth of what kept references have. Its standard
+error is a fiftieth of the errors that it judges, and counts in their intervals."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,8 @@ def turn(
     """Renders, measures and writes the report, as `compare.compare`, which says what is raised."""
     comparing.check_drawn(plan)
     _make_filter_references(plan, folder / "references", progress)
-    result = comparing.compare(plan, folder, options, command, progress, tell)
-    measures = knob_measures.knobs(progress)
+    measures = knob_measures.knobs(knob_measures.TURNS, knob_measures.SETS, progress)
+    result = comparing.compare(plan, folder, options, command, progress, tell, measures)
     return Turned(result, plan, (*analyse(result.data.scenes).knobs, *measures))
 
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
-from aliascope import integrands, metrics, scene_io
+from aliascope import integrands, metrics, renderers, scene_io
 from aliascope.errors import NotAvailable
 from aliascope.native import discrepancy, estimate, filters, samplers, uneven
-from aliascope.renderers import RENDERERS
 from aliascope.specs import Key
 
 Entries = list[dict[str, Any]]
@@ -20,12 +19,15 @@ def _scenes() -> Entries:
 
 def _renderers() -> Entries:
     found: Entries = []
-    for renderer in RENDERERS.values():
+    for name in (*renderers.RENDERERS, *(name for name in renderers.plugged_in() if name not in renderers.RENDERERS)):
+        title = name
         try:
-            state = ", ".join(f"{name} {version}" for name, version in renderer.versions().items())
+            renderer = renderers.find(name)
+            title = renderer.title
+            state = ", ".join(f"{what} {version}" for what, version in renderer.versions().items())
         except NotAvailable as error:
             state = f"not there: {error}"
-        found.append({"name": renderer.name, "title": renderer.title, "version": state})
+        found.append({"name": name, "title": title, "version": state})
     return found
 
 
@@ -41,7 +43,7 @@ def _interval(key: Key) -> str:
 def _modes() -> Entries:
     return [
         {"renderer": renderer.name, "name": form.name, "text": form.text, "keys": [_key(key) for key in form.keys]}
-        for renderer in RENDERERS.values()
+        for renderer in renderers.RENDERERS.values()
         for form in renderer.modes.values()
     ]
 

@@ -30,8 +30,9 @@ def plan_of(
     arrangement of dimensions and say none have each of these."""
     plugged_in = [info.name for info in samplers.registered() if info.plugged_in]
     own = plan.with_samplers(plan.profile(profile), plugged_in)
+    chosen = renderers.named(chosen)
     names = plan.matching(chosen, renderers.RENDERERS, "renderer") if chosen else list(own)
-    wanted = {name: list(own.get(name, ())) for name in names}
+    wanted = {name: list(own[name] if name in own else _own_modes(name, profile)) for name in names}
     if modes:
         wanted = _modes(wanted, modes)
     if arrangements:
@@ -42,6 +43,10 @@ def plan_of(
     suits = None if modes else _suits(profile)
     made = jobs.make_plan(files, wanted, plan.SEEDS[profile], size, required=chosen, suits=suits)
     return replace(made, about=_about(profile, [file.name for file in files], own, wanted))
+
+
+def _own_modes(name: str, profile: str) -> tuple[str, ...]:
+    return renderers.of_profile(renderers.find(name), profile)
 
 
 def _suits(profile: str) -> Callable[[str, Spec, Scene], bool]:

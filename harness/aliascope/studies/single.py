@@ -40,6 +40,7 @@ def render_file(
         _check_out(counts)
     file = scene_io.load(scene)
     found = renderers.find(renderer)
+    renderer = found.name
     if dimensions is not None:
         mode = renderers.arranged(found, mode, dimensions)
     spec = renderers.mode_of(found, mode)
