@@ -17,6 +17,7 @@ from aliascope.records import Cost, Pixels, Rendering
 from aliascope.references import Reference
 from aliascope.references import files as reference_files
 from aliascope.renderers.base import Request, lacks
+from aliascope.renderers.process import TimeLimit
 from aliascope.scene_io import SceneFile
 from aliascope.specs import Spec
 from aliascope.studies import sweep_pov
@@ -159,7 +160,7 @@ def render(
     """Runs in a worker process; until `last`, a time.monotonic(), which is that of the machine."""
     limit = last - time.monotonic()
     if limit <= 0.0:
-        raise JobFailed("there was no time left to begin it")
+        raise TimeLimit("there was no time left to begin it")
     renderer = renderers.find(candidate.renderer)
     mode = renderers.mode_of(renderer, candidate.mode)
     return renderer.render(Request(file.scene, *size, mode, seed, least_seconds=least, time_limit=limit))
@@ -231,6 +232,8 @@ class SceneProblem:
         for candidate, task in tasks:
             try:
                 found[candidate] = self._kept(candidate, task.result(), first=True)
+            except TimeLimit:
+                continue
             except (JobFailed, Unsupported) as error:
                 if time.monotonic() < last:
                     self.failed[candidate] = str(error)
@@ -243,6 +246,8 @@ class SceneProblem:
         try:
             least = min(sweep_pov.LEAST_TIMED, 0.3 * limit)
             return self._kept(candidate, self._begin(candidate, draw, least, last).result(), first=draw == 0)
+        except TimeLimit:
+            return None
         except JobFailed as error:
             if time.monotonic() < last:
                 self.failed[candidate] = str(error)
