@@ -57,6 +57,11 @@ all: $(BINDINGS) $(PLUGIN) $(VERSIONED)
 compare: all
 	@$(VENV)/bin/aliascope compare --profile quick -o $(RESULTS)/compare
 
+## knobs      measure what each setting does to time and error; results in .results/knobs
+.PHONY: knobs
+knobs: all
+	@$(VENV)/bin/aliascope knobs -o $(RESULTS)/knobs
+
 ## mitchell   measure Mitchell's table of random edges again, and write its page
 .PHONY: mitchell
 mitchell: all

@@ -169,14 +169,14 @@ static void trace(const tracer *made, size_t rows, block_work *memory) {
   for (size_t i = 0; i < rows; i += PACKET) cast(made, i, rows - i < PACKET ? (uint32_t)(rows - i) : PACKET, memory);
   run *to = memory->runs;
   for (size_t first = 0; first < rows; first = to++->end) {
-    const sight seen = memory->sights[first / PACKET];
+    const sight *seen = &memory->sights[first / PACKET];
     to->end = first + PACKET;
-    while (to->end < rows && shine_same(seen, memory->sights[to->end / PACKET])) to->end += PACKET;
+    while (to->end < rows && shine_same(*seen, memory->sights[to->end / PACKET])) to->end += PACKET;
     const sample_rows of = {to->end - first, memory->sample_x + first, memory->sample_y + first,
                             (const double(*)[2])memory->lens + first, memory->radiance + first};
-    to->alone = !memory->target && !memory->single && shine_paint(made, seen, &to->paint);
-    if (!to->alone && seen.one) shine_take(made, seen, &of);
-    if (to->alone && to->paint.patterned) shine_mix(made, seen, &of, memory->mix + first);
+    to->alone = !memory->target && !memory->single && shine_paint(made, *seen, &to->paint);
+    if (!to->alone && seen->one) shine_take(made, *seen, &of);
+    if (to->alone && to->paint.patterned) shine_mix(made, *seen, &of, memory->mix + first);
   }
 }
 

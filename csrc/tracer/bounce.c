@@ -16,8 +16,9 @@ typedef struct ways_on {
 
 /* The chances are as what either brings to the eye is of both. They make 1, or, where less light than that is left
  * after some bounces, that much (Russian roulette). */
-ASC_VECTORISE static void set_chances(const transport *restrict far, packet *restrict rays,
-                                      const meetings *restrict met, uint32_t bounce) {
+ASC_VECTORISE static int set_chances(const transport *restrict far, packet *restrict rays, const meetings *restrict met,
+                                     uint32_t bounce) {
+  int any = 0;
   const int may_end = far->diffuse_bounces > 0 && bounce >= far->roulette_from;
   for (uint32_t i = 0; i < PACKET; i++) {
     double mirror = 0.0, scatter = 0.0;
@@ -32,11 +33,13 @@ ASC_VECTORISE static void set_chances(const transport *restrict far, packet *res
     const double chance = may_end && sum < 1.0 ? sum : 1.0;
     rays->mirror.of[i] = chance * mirror / whole;
     rays->scatter.of[i] = chance * scatter / whole;
+    any |= sum > 0.0;
   }
+  return any;
 }
 
-void bounce_set_chances(const transport *far, packet *rays, const meetings *met, uint32_t bounce) {
-  set_chances(far, rays, met, bounce);
+int bounce_set_chances(const transport *far, packet *rays, const meetings *met, uint32_t bounce) {
+  return set_chances(far, rays, met, bounce);
 }
 
 static void take_numbers(const tracer *made, const packet *rays, uint32_t bounce, ways_on *by) {
@@ -99,21 +102,36 @@ ASC_VECTORISE static void mirror(const meetings *restrict met, ways_on *restrict
   }
 }
 
-/* In the lobe of one lane's surface. Gives how its path goes on. */
-static int32_t gloss(const meetings *met, const pairs *numbers, uint32_t lane, packet *rays) {
-  const asc_material *material = met->material[lane];
-  const double u[2] = {numbers->row[0][lane], numbers->row[1][lane]}, chance = rays->mirror.of[lane];
-  double normal[3], to_eye[3], way[3];
-  get_lane(&met->normal, lane, normal);
-  get_lane(&met->to_eye, lane, to_eye);
-  const double share = lobe_sample(&material->gloss, normal, to_eye, u, way);
-  if (!(share > 0.0)) return ENDS;
-  set_lane(&rays->direction, lane, way);
-  for (int channel = 0; channel < 3; channel++)
-    rays->throughput.row[channel][lane] *= material->reflection[channel] * (share / chance);
-  rays->density.of[lane] = chance * lobe_towards(&material->gloss, normal, to_eye, way).density;
-  rays->mirrors_left.of[lane] -= 1.0;
-  return GLOSSY;
+/* Those of `lanes`, bits, whose surfaces have one lobe. Below the surface a path ends. */
+ASC_VECTORISE static void take_gloss(const meetings *restrict met, const lobe_ways *restrict ways, uint32_t lanes,
+                                     ways_on *restrict by, packet *restrict rays) {
+  for (uint32_t i = 0; i < PACKET; i++) {
+    const int mine = (lanes >> i) & 1, goes = mine & (ways->share.of[i] > 0.0);
+    const double chance = goes ? rays->mirror.of[i] : 1.0, share = ways->share.of[i] / chance;
+    for (int channel = 0; channel < 3; channel++) {
+      const double factor = met->reflection.row[channel][i] * share;
+      rays->throughput.row[channel][i] *= goes ? factor : 1.0;
+    }
+    for (int k = 0; k < 3; k++) rays->direction.row[k][i] = goes ? ways->way.row[k][i] : rays->direction.row[k][i];
+    rays->density.of[i] = goes ? chance * ways->density.of[i] : rays->density.of[i];
+    rays->mirrors_left.of[i] -= goes ? 1.0 : 0.0;
+    const int32_t way = goes ? GLOSSY : ENDS;
+    by->of[i] = mine ? way : by->of[i];
+  }
+}
+
+/* In the lobes of the lanes' surfaces, but for perfect mirrors. */
+static void gloss(const meetings *met, ways_on *by, packet *rays) {
+  uint32_t left = 0;
+  for (uint32_t i = 0; i < PACKET; i++)
+    if (by->of[i] == MIRRORED && met->material[i]->gloss.kind != ASC_LOBE_MIRROR) left |= UINT32_C(1) << i;
+  while (left) {
+    lobe_ways ways;
+    const uint32_t lanes = meeting_alike(met->material, left);
+    lobe_sample(&met->material[__builtin_ctz(lanes)]->gloss, &met->normal, &met->to_eye, &by->u, &ways);
+    take_gloss(met, &ways, lanes, by, rays);
+    left &= ~lanes;
+  }
 }
 
 ASC_VECTORISE static void set_rays(const meetings *restrict met, const ways_on *restrict by, packet *restrict rays) {
@@ -155,9 +173,7 @@ int bounce_go_on(const tracer *made, packet *rays, const meetings *met, uint32_t
     scatter(met, &ways, &by, rays);
   }
   if (asked.of[MIRRORED] > 0) {
-    for (uint32_t i = 0; i < PACKET; i++)
-      if (by.of[i] == MIRRORED && met->material[i]->gloss.kind != ASC_LOBE_MIRROR)
-        by.of[i] = gloss(met, &by.u, i, rays);
+    gloss(met, &by, rays);
     mirror(met, &by, rays);
   }
   const tally going = count(&by);

@@ -34,19 +34,34 @@ ASC_VECTORISE static void turn_toward(const emitter_places *restrict places, con
   }
 }
 
+/* Of `lanes`, bits, whose surfaces have one lobe. */
+ASC_VECTORISE static void take_reflected(emission_from from, const lobe_at *restrict lobe, uint32_t lanes,
+                                         const packet *restrict rays, const emitter_places *restrict places,
+                                         ways_there *restrict ways) {
+  for (uint32_t i = 0; i < PACKET; i++) {
+    const int mine = (lanes >> i) & 1;
+    const double found = emitted_share_of_rays(from, rays->mirror.of[i] * lobe->density.of[i], places->density.of[i]);
+    const double reflected = lobe->value.of[i] * (1.0 - found);
+    ways->reflected.of[i] = mine ? reflected : ways->reflected.of[i];
+  }
+}
+
+/* Whether light from elsewhere than along the mirrored way comes to the eye by the reflection. */
+static int is_glossy(const packet *rays, const meetings *met, uint32_t lane) {
+  return rays->mirror.of[lane] > 0.0 && met->material[lane]->gloss.kind != ASC_LOBE_MIRROR;
+}
+
 static void find_reflected(const tracer *made, const packet *rays, const meetings *met, const emitter_places *places,
                            ways_there *ways) {
-  for (uint32_t i = 0; i < PACKET; i++) {
-    const double chance = rays->mirror.of[i];
-    if (!rays->shadowed[i] || !(chance > 0.0) || met->material[i]->gloss.kind == ASC_LOBE_MIRROR) continue;
-    double normal[3], to_eye[3], way[3];
-    get_lane(&met->normal, i, normal);
-    get_lane(&met->to_eye, i, to_eye);
-    get_lane(&ways->toward, i, way);
-    const lobe_at lobe = lobe_towards(&met->material[i]->gloss, normal, to_eye, way);
-    const double found =
-        emitted_share_of_rays(made->transport.emission_from, chance * lobe.density, places->density.of[i]);
-    ways->reflected.of[i] = lobe.value * (1.0 - found);
+  uint32_t left = 0;
+  for (uint32_t i = 0; i < PACKET; i++)
+    if (rays->shadowed[i] && is_glossy(rays, met, i)) left |= UINT32_C(1) << i;
+  while (left) {
+    lobe_at lobe;
+    const uint32_t lanes = meeting_alike(met->material, left);
+    lobe_towards(&met->material[__builtin_ctz(lanes)]->gloss, &met->normal, &met->to_eye, &ways->toward, &lobe);
+    take_reflected(made->transport.emission_from, &lobe, lanes, rays, places, ways);
+    left &= ~lanes;
   }
 }
 
@@ -90,7 +105,7 @@ void emitted_add(const tracer *made, packet *rays, const meetings *met, struct R
   uint32_t there = 0;
   if (made->emitter_count == 0) return;
   for (uint32_t i = 0; i < PACKET; i++) {
-    if (!met->material[i] || !(rays->mirror.of[i] > 0.0 || rays->scatter.of[i] > 0.0)) continue;
+    if (!met->material[i] || !(rays->scatter.of[i] > 0.0 || is_glossy(rays, met, i))) continue;
     there |= UINT32_C(1) << i;
     u.row[0][i] = rays->further[i][made->further.emitter];
     u.row[1][i] = rays->further[i][made->further.emitter + 1];

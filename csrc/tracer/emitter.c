@@ -179,22 +179,40 @@ typedef struct flat_emitters {
   scalars length, area, chance;
 } flat_emitters;
 
-/* What a place sends out, and how far Embree's surface may be off there. */
+/* Lanes whose places have a pattern, bits, and where their surfaces had these at time 0. */
+typedef struct patterned {
+  uint32_t lanes;
+  const asc_material *material[PACKET];
+  vectors rest;
+} patterned;
+
+/* What a place sends out, but for a pattern, and how far Embree's surface may be off there. */
 static void set_shining(const tracer *made, const emitter *from, const asc_motion *motion, const placing *at,
-                        const double point[3], uint32_t lane, emitter_places *chosen) {
+                        const double point[3], uint32_t lane, emitter_places *chosen, patterned *to) {
   const asc_material *material = &made->materials[made->material_of[from->of.kind][from->of.number]];
   chosen->slack.of[lane] = 0.0;
   set_lane(&chosen->radiance, lane, material->emission);
   if (!motion && material->pattern.kind == ASC_PATTERN_NONE) return;
-  double rest[3] = {point[0], point[1], point[2]}, colour[3];
+  double rest[3] = {point[0], point[1], point[2]};
   if (motion) motion_ray_to_rest(at, point, (const double[3]){0.0, 0.0, 0.0}, rest, (double[3]){0.0});
   chosen->slack.of[lane] = meeting_slack(made, motion, rest);
-  meeting_colour(made, material, rest, colour);
-  for (int channel = 0; channel < 3; channel++) chosen->radiance.row[channel][lane] *= colour[channel];
+  if (material->pattern.kind == ASC_PATTERN_NONE) return;
+  to->lanes |= UINT32_C(1) << lane;
+  to->material[lane] = material;
+  set_lane(&to->rest, lane, rest);
+}
+
+static void add_patterns(const tracer *made, const patterned *on, emitter_places *chosen) {
+  vectors colour;
+  meeting_colours(made, on->material, on->lanes, &on->rest, &colour);
+  for (uint32_t lane = 0; lane < PACKET; lane++) {
+    if (!((on->lanes >> lane) & 1)) continue;
+    for (int channel = 0; channel < 3; channel++) chosen->radiance.row[channel][lane] *= colour.row[channel][lane];
+  }
 }
 
 static void put_flat(const tracer *made, const emitter *from, double time, const double u[2], uint32_t lane,
-                     flat_emitters *to, emitter_places *chosen) {
+                     flat_emitters *to, emitter_places *chosen, patterned *on) {
   const asc_motion *motion = tracer_motion(made, from->of);
   double along[2], still[3], point[3], normal[3];
   placing moved;
@@ -209,7 +227,7 @@ static void put_flat(const tracer *made, const emitter *from, double time, const
   to->length.of[lane] = motion ? length_of(normal) : from->length;
   to->area.of[lane] = from->area;
   to->chance.of[lane] = from->chance;
-  set_shining(made, from, motion, at, point, lane, chosen);
+  set_shining(made, from, motion, at, point, lane, chosen, on);
 }
 
 /* Sides and densities of all lanes' places. */
@@ -230,7 +248,7 @@ ASC_VECTORISE static void face(const flat_emitters *restrict from, const vectors
 }
 
 static void put_ball(const tracer *made, const emitter *from, double time, const double u[2], const vectors *seen_from,
-                     uint32_t lane, emitter_places *chosen) {
+                     uint32_t lane, emitter_places *chosen, patterned *on) {
   const ball *round = &made->balls[from->of.number];
   const asc_motion *motion = tracer_motion(made, from->of);
   double centre[3], eye[3];
@@ -244,12 +262,14 @@ static void put_ball(const tracer *made, const emitter *from, double time, const
   set_lane(&chosen->point, lane, place.point);
   set_lane(&chosen->normal, lane, place.normal);
   chosen->density.of[lane] = place.density * from->chance;
-  set_shining(made, from, motion, at, place.point, lane, chosen);
+  set_shining(made, from, motion, at, place.point, lane, chosen, on);
 }
 
 void emitter_choose(const tracer *made, const double time[PACKET], const pairs *u, const vectors *seen_from,
                     uint32_t there, emitter_places *chosen) {
   flat_emitters flat = {.length = {{0.0}}};
+  patterned on;
+  on.lanes = 0;
   const emitter *picked[PACKET];
   double numbers[PACKET][2];
   uint32_t balls = 0;
@@ -261,11 +281,12 @@ void emitter_choose(const tracer *made, const double time[PACKET], const pairs *
     if (picked[lane]->of.kind == SPHERES)
       balls |= UINT32_C(1) << lane;
     else
-      put_flat(made, picked[lane], time[lane], numbers[lane], lane, &flat, chosen);
+      put_flat(made, picked[lane], time[lane], numbers[lane], lane, &flat, chosen, &on);
   }
   face(&flat, seen_from, chosen);
   for (uint32_t lane = 0; lane < PACKET && balls; lane++)
-    if ((balls >> lane) & 1) put_ball(made, picked[lane], time[lane], numbers[lane], seen_from, lane, chosen);
+    if ((balls >> lane) & 1) put_ball(made, picked[lane], time[lane], numbers[lane], seen_from, lane, chosen, &on);
+  if (on.lanes) add_patterns(made, &on, chosen);
 }
 
 double emitter_density(const tracer *made, double time, const meeting *met, const double origin[3],

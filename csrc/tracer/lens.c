@@ -15,6 +15,14 @@ void lens_make(const asc_view *view, lens *made) {
 
 #define TILE 64
 
+ASC_INLINE void take_columns(const double *restrict u, size_t stride, size_t rows, double *restrict a,
+                             double *restrict b) {
+  for (size_t i = 0; i < rows; i++) {
+    a[i] = u[i * stride];
+    b[i] = u[i * stride + 1];
+  }
+}
+
 /* A tile at a time, in columns. Steps of a point wait for each other, so the loop over them is long enough that the
  * machine has several points under way. */
 ASC_VECTORISE static void round_points(double radius, size_t count, const double *restrict u, size_t stride,
@@ -22,10 +30,10 @@ ASC_VECTORISE static void round_points(double radius, size_t count, const double
   for (size_t first = 0; first < count; first += TILE) {
     const size_t rows = count - first < TILE ? count - first : TILE;
     double a[TILE], b[TILE];
-    for (size_t i = 0; i < rows; i++) {
-      a[i] = u[(first + i) * stride];
-      b[i] = u[(first + i) * stride + 1];
-    }
+    if (stride == 4) /* of scenes with a lens alone; a known step is vectorised */
+      take_columns(u + first * 4, 4, rows, a, b);
+    else
+      take_columns(u + first * stride, stride, rows, a, b);
     for (size_t i = 0; i < rows; i++) {
       const double from[2] = {a[i], b[i]};
       double to[2];

@@ -6,17 +6,24 @@
 #include "aliascope/scene.h"
 #include "vector.h"
 
+/* Those of lanes. */
 typedef struct lobe_at {
-  double value;   /* the share of the radiance from there that is reflected, in a steradian: with the cosine */
-  double density; /* of lobe_sample, in a steradian */
+  scalars value;   /* the share of the radiance from there that is reflected, in a steradian: with the cosine */
+  scalars density; /* of lobe_sample, in a steradian */
 } lobe_at;
 
-/* Of a lobe, not of a perfect mirror. 0 below the surface. */
-lobe_at lobe_towards(const asc_lobe *lobe, const double normal[3], const double to_eye[3], const double way[3]);
+/* Towards the lanes' directions, of a lobe, not of a perfect mirror. 0 below the surface. */
+void lobe_towards(const asc_lobe *lobe, const vectors *normal, const vectors *to_eye, const vectors *toward,
+                  lobe_at *found);
 
-/* A direction that u chooses, of a perfect mirror too, and its value over its density: 0 below the surface. */
-double lobe_sample(const asc_lobe *lobe, const double normal[3], const double to_eye[3], const double u[2],
-                   double way[3]);
+typedef struct lobe_ways {
+  vectors way;
+  scalars share; /* its value over its density: 0 below the surface */
+  scalars density;
+} lobe_ways;
+
+/* The lanes' directions that u chooses. */
+void lobe_sample(const asc_lobe *lobe, const vectors *normal, const vectors *to_eye, const pairs *u, lobe_ways *ways);
 
 /* The lanes' directions of the hemisphere that u chooses, with the density cosine / pi. */
 void lobe_cosine(const vectors *normal, const pairs *u, vectors *way);

@@ -90,20 +90,55 @@ static double along_moving_plane(const tracer *made, uint32_t number, double tim
   return along_plane(&made->planes[number], rest_origin, rest_direction);
 }
 
-/* The share of the second colour. */
-static double mix_of(const asc_view *view, const asc_pattern *pattern, const double rest[3]) {
-  return pattern->kind == ASC_PATTERN_ZONE_PLATE ? havercosine_of_any(pattern_phase(pattern, rest))
-                                                 : pattern_parity(view, pattern, rest);
+/* `mix`: the shares of the second colour. */
+ASC_VECTORISE static void mix_colours(const asc_pattern *of, const scalars *restrict mix, uint32_t lanes,
+                                      vectors *restrict colour) {
+  const asc_pattern pattern = *of;
+  for (uint32_t i = 0; i < PACKET; i++) {
+    for (int channel = 0; channel < 3; channel++) {
+      const double mixed = pattern.low[channel] + (pattern.high[channel] - pattern.low[channel]) * mix->of[i];
+      colour->row[channel][i] = (lanes >> i) & 1 ? mixed : colour->row[channel][i];
+    }
+  }
 }
 
-void meeting_colour(const tracer *made, const asc_material *material, const double rest[3], double colour[3]) {
-  const asc_pattern *pattern = &material->pattern;
-  if (pattern->kind == ASC_PATTERN_NONE) {
-    colour[0] = colour[1] = colour[2] = 1.0;
-    return;
+ASC_VECTORISE static void mix_checks(const asc_view *of, const asc_pattern *checks, const vectors *restrict rest,
+                                     scalars *restrict mix) {
+  const asc_view view = *of;
+  const asc_pattern pattern = *checks;
+  for (uint32_t i = 0; i < PACKET; i++) {
+    const double point[3] = {rest->row[0][i], rest->row[1][i], rest->row[2][i]};
+    mix->of[i] = pattern_parity(&view, &pattern, point);
   }
-  const double mix = mix_of(&made->view, pattern, rest);
-  for (int i = 0; i < 3; i++) colour[i] = pattern->low[i] + (pattern->high[i] - pattern->low[i]) * mix;
+}
+
+/* Gives whether a phase of the lanes is too large; then sets the phases alone. */
+ASC_VECTORISE static int mix_rings(const asc_pattern *rings, const vectors *restrict rest, uint32_t lanes,
+                                   scalars *restrict mix) {
+  const asc_pattern pattern = *rings;
+  int far = 0;
+  for (uint32_t i = 0; i < PACKET; i++) {
+    const double point[3] = {rest->row[0][i], rest->row[1][i], rest->row[2][i]};
+    mix->of[i] = (lanes >> i) & 1 ? pattern_phase(&pattern, point) : 0.0;
+    far |= !(fabs(mix->of[i]) <= HAVERCOSINE_MOST);
+  }
+  for (uint32_t i = 0; i < PACKET && !far; i++) mix->of[i] = havercosine(mix->of[i]);
+  return far;
+}
+
+void meeting_colours(const tracer *made, const asc_material *const material[PACKET], uint32_t lanes,
+                     const vectors *rest, vectors *colour) {
+  while (lanes) {
+    const uint32_t alike = meeting_alike(material, lanes);
+    const asc_pattern *pattern = &material[__builtin_ctz(alike)]->pattern;
+    scalars mix;
+    if (pattern->kind == ASC_PATTERN_CHECKER)
+      mix_checks(&made->view, pattern, rest, &mix);
+    else if (mix_rings(pattern, rest, alike, &mix))
+      for (uint32_t i = 0; i < PACKET; i++) mix.of[i] = havercosine_of_any(mix.of[i]);
+    mix_colours(pattern, &mix, alike, colour);
+    lanes &= ~alike;
+  }
 }
 
 /* Where the lanes' rays end, before the points themselves are known. */
@@ -263,17 +298,32 @@ ASC_VECTORISE static void set_ways_to_eye(const packet *restrict rays, meetings 
 }
 
 static void set_colours(const tracer *made, const search *with, meetings *met) {
+  uint32_t patterned = 0;
   for (uint32_t lane = 0; lane < PACKET; lane++) {
-    double rest[3], colour[3];
     const asc_material *material = met->material[lane];
-    if (!material || material->pattern.kind == ASC_PATTERN_NONE) continue;
-    if ((with->others >> lane) & 1)
-      get_lane(&with->rest, lane, rest);
-    else
-      get_lane(&met->point, lane, rest);
-    meeting_colour(made, material, rest, colour);
-    set_lane(&met->colour, lane, colour);
+    if (material && material->pattern.kind != ASC_PATTERN_NONE) patterned |= UINT32_C(1) << lane;
   }
+  if (!patterned) return;
+  if (!with->others) {
+    meeting_colours(made, met->material, patterned, &met->point, &met->colour);
+    return;
+  }
+  vectors rest = met->point;
+  for (uint32_t lane = 0; lane < PACKET; lane++) {
+    if (!((with->others >> lane) & 1)) continue;
+    for (int i = 0; i < 3; i++) rest.row[i][lane] = with->rest.row[i][lane];
+  }
+  meeting_colours(made, met->material, patterned, &rest, &met->colour);
+}
+
+static int reflects(const asc_material *material) {
+  return material && (material->reflection[0] > 0.0 || material->reflection[1] > 0.0 || material->reflection[2] > 0.0);
+}
+
+static int any_reflects(const search *with, const meetings *met) {
+  for (uint32_t lane = 0; lane < (with->one ? 1 : PACKET); lane++)
+    if (reflects(met->material[lane])) return 1;
+  return 0;
 }
 
 int meeting_find(const tracer *made, const packet *rays, meetings *met) {
@@ -289,7 +339,7 @@ int meeting_find(const tracer *made, const packet *rays, meetings *met) {
   set_points(rays, &with, met);
   for (uint32_t lane = 0; lane < PACKET && !with.one; lane++) set_material(made, lane, met);
   if (made->has_patterns) set_colours(made, &with, met);
-  if (made->transport.mirror_bounces > 0) set_ways_to_eye(rays, met);
+  if (made->transport.mirror_bounces > 0 && any_reflects(&with, met)) set_ways_to_eye(rays, met);
   return 1;
 }
 

@@ -21,7 +21,7 @@ typedef struct meeting {
 typedef struct meetings {
   vectors point, normal, lifted, colour;
   vectors albedo, emission, reflection; /* of the materials; unset where nothing asks for it */
-  vectors to_eye;                       /* where the ray came from, of length 1; set where there are mirrors */
+  vectors to_eye;                       /* where the ray came from, of length 1; set where a lane's surface reflects */
   alignas(64) double distance[PACKET];
   const asc_material *material[PACKET];
   surface of[PACKET];
@@ -33,8 +33,18 @@ int meeting_find(const tracer *made, const packet *rays, meetings *met);
 
 meeting meeting_of(const meetings *met, uint32_t lane);
 
-/* The colour of a material's pattern where its surface had a point at time 0: white where it has none. */
-void meeting_colour(const tracer *made, const asc_material *material, const double rest[3], double colour[3]);
+/* Which of `lanes`, bits, not none, have the material of the first of them. */
+static inline uint32_t meeting_alike(const asc_material *const material[PACKET], uint32_t lanes) {
+  const asc_material *first = material[__builtin_ctz(lanes)];
+  uint32_t alike = 0;
+  for (uint32_t i = 0; i < PACKET; i++)
+    if ((lanes >> i) & 1 && material[i] == first) alike |= UINT32_C(1) << i;
+  return alike;
+}
+
+/* The colours of the patterns of `lanes`, bits, whose materials have one, where their surfaces had points at time 0. */
+void meeting_colours(const tracer *made, const asc_material *const material[PACKET], uint32_t lanes,
+                     const vectors *rest, vectors *colour);
 
 /* How far Embree's surface may be off, for its motion in straight lines, round a point that it had at time 0. */
 double meeting_slack(const tracer *made, const asc_motion *motion, const double rest[3]);

@@ -102,7 +102,7 @@ static void follow(const tracer *made, packet *rays) {
     if (!arrive(made, rays, bounce, &met)) return;
     direct_add_lights(made, rays, &met, context);
     if (bounce == made->transport.bounces) return;
-    bounce_set_chances(&made->transport, rays, &met, bounce);
+    if (!bounce_set_chances(&made->transport, rays, &met, bounce)) return;
     emitted_add(made, rays, &met, context);
     if (!bounce_go_on(made, rays, &met, bounce)) return;
   }

@@ -115,6 +115,14 @@ def decode_srgb(encoded: Pixels) -> Pixels:
     return np.copysign(linear, encoded).astype(np.float32)
 
 
+def read_rows(image: oiio.ImageInput, path: Path, first: int, count: int) -> Pixels:
+    """Some rows of a picture that is `opened`, as `read_image` has them; `path` is for errors. Raises InvalidInput."""
+    pixels = image.read_scanlines(first, first + count, 0, 0, image.spec().nchannels, oiio.FLOAT)
+    if pixels is None:
+        raise InvalidInput(f"{path}: the picture is broken: {_first_line(image.geterror())}")
+    return np.asarray(pixels, dtype=np.float32)
+
+
 _standard_error = threading.Lock()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 import time
 from collections import deque
@@ -71,8 +72,14 @@ def render_job(file: SceneFile, job: Job, options: Options) -> Timed:
     return Timed(rendering, ended())
 
 
+def measure_beside(paths: Sequence[Path], reference: Pixels) -> list[dict[str, float | None]]:
+    """As `measure_pictures`, in a worker process beside others: FLIP would have threads for all processors in each."""
+    os.environ["OMP_NUM_THREADS"] = "1"  # which is looked at once, when the library is loaded
+    return measure_pictures(paths, reference)
+
+
 def measure_pictures(paths: Sequence[Path], reference: Pixels) -> list[dict[str, float | None]]:
-    """The metrics of pictures that one reference judges. Runs in a worker process, or in this one."""
+    """The metrics of pictures that one reference judges."""
     measured = (metrics.measure(image.read_image(path), reference) for path in paths)
     return [{name: value.value for name, value in values.items()} for values in measured]
 
@@ -226,7 +233,7 @@ class _Run:
         arguments = [([self._keeper.path(each) for each in part], references[judged]) for judged, part in parts]
         begun: list[Task[list[dict[str, float | None]]]] = []
         if workers is not None and total > MEASURED_HERE:
-            begun = [workers.begin(measure_pictures, each, MEASURING_LIMIT) for each in arguments]
+            begun = [workers.begin(measure_beside, each, MEASURING_LIMIT) for each in arguments]
         for number, (_, part) in enumerate(parts):
             progress("the measures of the pictures", done, total)
             values = begun[number].result() if begun else measure_pictures(*arguments[number])

@@ -7,12 +7,17 @@ import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
 
+from aliascope import knob_modes
 from aliascope.draws import UNMOVED, text_of
 from aliascope.errors import InvalidInput, near_misses
-from aliascope.model import AreaLight, DiscLight, Scene, SphereLight
+from aliascope.model import AreaLight, DiscLight, LoadedMesh, Scene, SphereLight
 from aliascope.records import Job
 
 COUNTS = (1, 4, 16, 64, 256)
+
+HEAVY = 20_000
+"""Triangles of meshes from which on a scene is heavy (`kind_of`)."""
+
 FILTERS = ("mitchell",)
 """Filters other than the box that the full profile judges: each has its references in reference/."""
 
@@ -49,28 +54,30 @@ ADAPTIVE = (
 POVRAY_QUICK: Mapping[str, tuple[str, ...]] = {
     "plain": (
         "none",
-        *(f"am1:depth={depth}" for depth in (2, 3, 5)),
+        "am1:depth=3",
         *(f"am2:depth={depth}" for depth in (3, 4)),
-        *_counts("regular:n={n}", (4, 16, 64)),
+        *_counts("regular:n={n}", (16, 64)),
     ),
+    "heavy": ("am2:depth=3", "regular:n=16"),
     "lens": (
         "focal-blur",
-        *_counts("focal-blur:blur_samples={n},variance=0", (16, 64, 256)),
+        *_counts("focal-blur:blur_samples={n},variance=0", (64, 256)),
         *_accumulate("sobol", counts=(16, 64)),
     ),
     "area light": (
         "none",
         "am1:depth=3",
-        *(f"am2:depth={depth}" for depth in (3, 4)),
-        "am2:depth=4,light_grid=4",
+        "am2:depth=3",
+        "am2:depth=3,light_grid=4",
         *_accumulate("sobol", counts=(16, 64)),
     ),
     "frames": _accumulate("sobol", counts=(4, 16, 64)),
     "bounces": ("none",),
 }
-"""By kind of scene (`kind_of`), those that reach an error soonest: accumulate, at the lowest errors."""
+"""By kind of scene (`kind_of`), those that reach an error soonest: accumulate, at the lowest errors. Of a heavy scene
+each run takes seconds, most of them to read it."""
 
-POVRAY_FULL: Mapping[str, tuple[str, ...]] = {
+_POVRAY_FULL_KINDS: Mapping[str, tuple[str, ...]] = {
     "plain": (
         "none",
         *(
@@ -106,6 +113,7 @@ POVRAY_FULL: Mapping[str, tuple[str, ...]] = {
     "frames": _accumulate("halton", "sobol", counts=COUNTS),
     "bounces": ("none",),
 }
+POVRAY_FULL: Mapping[str, tuple[str, ...]] = {**_POVRAY_FULL_KINDS, "heavy": _POVRAY_FULL_KINDS["plain"]}
 
 
 def _all(kinds: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
@@ -113,17 +121,23 @@ def _all(kinds: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(mode for modes in kinds.values() for mode in modes))
 
 
-EMBREE_QUICK = (*_uniform("random", "regular", "jittered", "halton", "sobol,sampler.scramble=owen"), *ADAPTIVE[:3])
-EMBREE_QUICK_SPREAD = (*_uniform("random", "jittered", "halton", "sobol,sampler.scramble=owen"), *ADAPTIVE[:3])
-"""Of scenes whose samples have more than two dimensions: there `regular` has few counts, and gains nothing by them."""
+EMBREE_QUICK_SPREAD = (
+    *_uniform("random", "jittered", counts=(4, 16, 64)),
+    *_uniform("sobol,sampler.scramble=owen", counts=(4, 16, 64, 256)),
+    "adaptive:method=kajiya,n=64",
+    "adaptive:method=mitchell,n=96",
+)
+"""Of scenes whose samples have more than two dimensions: there `regular` has few counts, and gains nothing by them. A
+line in a plot, and a rate, take three counts."""
+EMBREE_QUICK = (*_uniform("regular", counts=(4, 16, 64)), *EMBREE_QUICK_SPREAD)
 EMBREE_QUICK_BOUNCES = (
-    *_uniform("random", "jittered", "halton", counts=COUNTS[:-1]),
-    *_uniform("sobol,sampler.scramble=owen"),
+    *_uniform("random", "halton", counts=(1, 4, 16)),
+    *_uniform("sobol,sampler.scramble=owen", counts=(1, 4, 16, 64)),
 )
 """Of scenes whose samples cost ten times as much: those that finish in the time that the quick profile has."""
 
 QUICK: Mapping[str, tuple[str, ...]] = {
-    "embree": EMBREE_QUICK,
+    "embree": tuple(dict.fromkeys((*EMBREE_QUICK, *EMBREE_QUICK_BOUNCES))),
     "povray": _all(POVRAY_QUICK),
     "osmesa": (
         "none",
@@ -131,7 +145,7 @@ QUICK: Mapping[str, tuple[str, ...]] = {
         "msaa:n=4,sample-shading=1",
         "msaa:n=8",
         *_counts("accumulate:n={n},sampler=halton", (4, 16, 64)),
-        *_counts("accumulate:n={n},sampler=regular", (4, 16, 64)),
+        "accumulate:n=16,sampler=regular",
     ),
 }
 
@@ -160,22 +174,23 @@ FULL: Mapping[str, tuple[str, ...]] = {
     ),
 }
 
-PROFILES: Mapping[str, Mapping[str, tuple[str, ...]]] = {"quick": QUICK, "full": FULL}
+PROFILES: Mapping[str, Mapping[str, tuple[str, ...]]] = {"quick": QUICK, "full": FULL, "knobs": knob_modes.MODES}
 KINDS: Mapping[str, Mapping[str, Mapping[str, tuple[str, ...]]]] = {
     "quick": {
         "povray": POVRAY_QUICK,
         "embree": {
             **dict.fromkeys(POVRAY_QUICK, EMBREE_QUICK_SPREAD),
-            "plain": EMBREE_QUICK,
+            **dict.fromkeys(("plain", "heavy"), EMBREE_QUICK),
             "bounces": EMBREE_QUICK_BOUNCES,
         },
     },
     "full": {"povray": POVRAY_FULL},
+    "knobs": knob_modes.KINDS,
 }
 """By profile and renderer, the modes for each kind of scene (`kind_of`); a renderer that is not here has the same for
 all. The cells of other modes are left out: they would be empty, or take long for what they show."""
 
-SEEDS: Mapping[str, int] = {"quick": 3, "full": 16}
+SEEDS: Mapping[str, int] = {"quick": 3, "full": 16, "knobs": 3}
 """How many pictures, with seeds 0, 1, ..., a randomised mode gets in each profile; one without seeds gets as many, but
 `draws.MOST` at most, each with the film in another place."""
 
@@ -190,12 +205,14 @@ def profile(name: str) -> Mapping[str, tuple[str, ...]]:
 def kind_of(scene: Scene) -> str:
     """What decides which modes a scene gets: "bounces" where light goes from surface to surface; "plain"; "lens" or
     "area light" where it has that alone; "frames" where POV-Ray draws it in frames only: for motion, a light that is
-    none of its own, or more than one of these."""
+    none of its own, or more than one of these; "heavy" where a plain one has more than HEAVY triangles, which take
+    POV-Ray a second or two to read, each time."""
     needs = scene.needs()
     if needs.diffuse_bounces:
         return "bounces"
     if not (needs.lens or needs.shutter or needs.area_lights):
-        return "plain"
+        triangles = sum(len(each.triangles) for each in scene.surfaces if isinstance(each, LoadedMesh))
+        return "heavy" if triangles > HEAVY else "plain"
     if needs.lens and not (needs.shutter or needs.area_lights or scene.camera.blades):
         return "lens"
     areas = [light for light in scene.lights if isinstance(light, AreaLight | DiscLight | SphereLight)]

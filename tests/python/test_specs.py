@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from aliascope import renderers, specs
 from aliascope.errors import SpecError
 from aliascope.native import samplers
 from aliascope.specs import Form, Key, family, parse, spelled_out
@@ -81,3 +82,20 @@ def test_spelled_out_has_every_default_and_reads_back() -> None:
     assert spelled_out(spec) == "grid:filter=box,n=16,sampler=halton,sampler.scramble=owen,threshold=0.1"
     assert parse(spelled_out(spec), FORMS, "m") == spec
     assert spelled_out(parse("none", FORMS, "m")) == "none"
+
+
+def test_settings_are_all_keys_with_their_values_those_left_out_too() -> None:
+    def settings(renderer: str, mode: str) -> dict[str, str]:
+        return specs.settings(renderers.mode_of(renderers.find(renderer), mode))
+
+    assert settings("povray", "am1:depth=5")["threshold"] == "0.1"
+    assert settings("osmesa", "none") == {}
+    stated = {"n": "4", "sampler": "sobol", "sampler.scramble": "owen", "filter": "box", "filter.radius": "0.5"}
+    assert stated.items() <= settings("embree", "uniform:n=4").items()
+    assert {name.partition(".")[0] for name in settings("embree", "uniform:n=4")} == {
+        key.name for key in renderers.find("embree").modes["uniform"].keys
+    }
+    # A default of an inner spec is there too, and one that is given takes its place.
+    adaptive = settings("embree", "adaptive:method=mitchell,method.cells=1,n=64,sampler=halton")
+    assert (adaptive["method"], adaptive["method.cells"], adaptive["sampler.scramble"]) == ("mitchell", "1", "none")
+    assert {"method.margin", "method.tolerance"} <= set(adaptive)

@@ -44,7 +44,16 @@ def test_the_library_refuses_them_too() -> None:
         Tracer(scene_io.load("edge").scene, SIZE, options=Options(packet=3))
 
 
-def test_modes_reach_the_kernel() -> None:
+def test_modes_become_options() -> None:
+    for mode, options in (
+        ("uniform", Options()),
+        ("uniform:packet=4,robust=off,film=float", Options(4, False, "float")),
+        ("adaptive:packet=1,robust=off", Options(1, False)),
+    ):
+        assert embree._options(mode_of(embree.RENDERER, mode)) == options
+
+
+def test_options_reach_the_kernel() -> None:
     for packet in (1, 4, 8, 16):
         for robust in (True, False):
             kernel = Tracer(scene_io.load("edge").scene, SIZE, options=Options(packet, robust)).kernel

@@ -12,11 +12,13 @@ from aliascope.cli import (
     filtering,
     history,
     integrating,
+    knobs,
     pictures,
     plugins,
     powering,
     regressing,
     sampling,
+    sweeping,
     teaching,
 )
 from aliascope.cli.shared import app
@@ -29,12 +31,14 @@ __all__ = [
     "filtering",
     "history",
     "integrating",
+    "knobs",
     "main",
     "pictures",
     "plugins",
     "powering",
     "regressing",
     "sampling",
+    "sweeping",
     "teaching",
 ]
 

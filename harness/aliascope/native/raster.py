@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aliascope.model import Scene
+from aliascope.native.instructions import counted
 from aliascope.native.loading import check, error_box, module
 from aliascope.native.scene import pack
 from aliascope.records import Pixels
@@ -99,11 +100,13 @@ class Passes:
 
 @dataclass(frozen=True)
 class RasterCost:
-    """Of one picture: all its samples; time of drawing, reading back and summing, on the CPU and by the clock."""
+    """Of one picture: all its samples; time of drawing, reading back and summing, on the CPU and by the clock; the
+    instructions of that, where they can be counted."""
 
     samples: int
     cpu_seconds: float
     wall_seconds: float
+    instructions: float | None = None
 
 
 class Raster:
@@ -138,5 +141,7 @@ class Raster:
         pixels = np.empty((height, width, 3), np.float32)
         cost, box = library.ffi.new("raster_cost *"), error_box(library.ffi)
         target = library.ffi.from_buffer("float[]", pixels)
-        check(library, library.lib.raster_render(self._handle, desc, target, cost, box), box)
-        return pixels, RasterCost(cost.samples, cost.cpu_seconds, cost.wall_seconds)
+        with counted() as instructions:
+            status = library.lib.raster_render(self._handle, desc, target, cost, box)
+        check(library, status, box)
+        return pixels, RasterCost(cost.samples, cost.cpu_seconds, cost.wall_seconds, instructions.value)

@@ -9,6 +9,7 @@ import numpy as np
 
 from aliascope.model import Scene
 from aliascope.native import estimate, filters, samplers
+from aliascope.native.instructions import Count, counted
 from aliascope.native.loading import check, error_box, module
 from aliascope.native.scene import pack
 from aliascope.records import Counts, Pixels
@@ -82,6 +83,8 @@ class TracerCost:
     shadow_rays: int
     reflection_rays: int
     bounce_rays: int
+    instructions: float | None = None
+    """Of the rendering threads, where they can be counted."""
 
 
 class Tracer:
@@ -153,8 +156,10 @@ class Tracer:
         pixels = np.empty((height, width, 3), np.float32)
         cost, box = library.ffi.new("tracer_cost *"), error_box(library.ffi)
         target = library.ffi.from_buffer("float[]", pixels)
-        check(library, library.lib.tracer_render(self._handle, desc, target, cost, box), box)
-        return pixels, _cost(cost)
+        with counted() as instructions:
+            status = library.lib.tracer_render(self._handle, desc, target, cost, box)
+        check(library, status, box)
+        return pixels, _cost(cost, instructions)
 
     def render_adaptive(
         self,
@@ -178,9 +183,12 @@ class Tracer:
         cost, box = library.ffi.new("tracer_cost *"), error_box(library.ffi)
         buffer = library.ffi.from_buffer
         targets = buffer("float[]", pixels), buffer("uint32_t[]", counts)
-        check(library, library.lib.tracer_render_adaptive(self._handle, desc, *targets, cost, box), box)
-        return pixels, counts, _cost(cost)
+        with counted() as instructions:
+            status = library.lib.tracer_render_adaptive(self._handle, desc, *targets, cost, box)
+        check(library, status, box)
+        return pixels, counts, _cost(cost, instructions)
 
 
-def _cost(cost: Any) -> TracerCost:
-    return TracerCost(**{field.name: getattr(cost, field.name) for field in fields(TracerCost)})
+def _cost(cost: Any, instructions: Count) -> TracerCost:
+    counted_there = {field.name: getattr(cost, field.name) for field in fields(TracerCost) if hasattr(cost, field.name)}
+    return TracerCost(**counted_there, instructions=instructions.value)

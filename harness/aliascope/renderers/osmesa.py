@@ -170,6 +170,7 @@ class OSMesa:
                 cpu_seconds=cpu_seconds / repeats,
                 wall_seconds=wall_seconds / repeats,
                 repeats=repeats,
+                instructions=cost.instructions,  # of the last: the first compiles the shaders
             ),
         )
 

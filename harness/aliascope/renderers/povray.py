@@ -132,7 +132,8 @@ class PovRay:
 
         `cpu_seconds` and `wall_seconds` are of tracing alone, as povray prints them, summed over the frames of a
         picture; `repeats` counts the pictures of both runs, their mean is the cost. The second run has MOST_FRAMES at
-        most.
+        most. Instructions are not counted: those of the program would be of its start, of reading the scene and of
+        writing the picture too, which nothing outside of it tells from tracing.
         """
         start = time.monotonic()
         size = (request.width, request.height)
@@ -162,7 +163,7 @@ class PovRay:
             if seconds < request.least_seconds and count <= MOST_FRAMES:
                 wanted = math.ceil(request.least_seconds / max(seconds, LEAST_SECONDS)) - 1
                 remaining = max(0.0, request.time_limit - (time.monotonic() - start))
-                statistics += _run(job, count * min(max(wanted, 1), MOST_FRAMES // count), remaining)
+                statistics += _run(job, count * min(max(wanted, 1), MOST_FRAMES // count), remaining, kept=False)
         cost = _cost(statistics, count, request.width * request.height, frames.blur is not None)
         return Rendering(pixels, cost, output.quantum)
 
@@ -224,12 +225,13 @@ def _output_for(scene: Scene, frames: Frames) -> _Output:
     return _Output("+FE", "exr", 1.0, 2.0 ** (math.floor(math.log2(peak)) - 10))
 
 
-def _run(job: _Job, frames: int, time_limit: float) -> list[Statistics]:
-    """Renders so many frames and returns what povray says of each; their files are those of `_names`."""
+def _run(job: _Job, frames: int, time_limit: float, kept: bool = True) -> list[Statistics]:
+    """Renders so many frames and returns what povray says of each; their files are those of `_names`, where they are
+    kept."""
+    output = [f"+O{'picture' if frames == 1 else 'frame'}.{job.output.suffix}", job.output.option]
     arguments = [
         "+Iscene.pov",
-        f"+O{'picture' if frames == 1 else 'frame'}.{job.output.suffix}",
-        job.output.option,
+        *(output if kept else ["-F"]),
         f"+W{job.width}",
         f"+H{job.height}",
         f"+BS{job.tile}",

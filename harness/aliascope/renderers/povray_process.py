@@ -16,7 +16,7 @@ from pathlib import Path
 from aliascope.errors import JobFailed, NotAvailable
 from aliascope.places import LIBRARIES
 from aliascope.renderers import process
-from aliascope.renderers.process import KEPT_BYTES
+from aliascope.renderers.process import KEPT_BYTES, TimeLimit
 
 KEPT_BYTES_A_FRAME = 1 << 13
 """A frame takes 3,000 bytes of statistics."""
@@ -41,6 +41,17 @@ SHORT_WAITS = LIBRARIES / "libaliascope-waits.so"
 microsecond: see csrc/waits/short_waits.c."""
 FINE_CLOCK = "aliascope: CPU seconds are milliseconds"
 """What that library adds to the output."""
+
+
+class RunFailed(JobFailed):
+    """povray ended with an error; `output` is what it printed."""
+
+    def __init__(self, message: str, output: str) -> None:
+        super().__init__(message)
+        self.output = output
+
+    def __reduce__(self) -> tuple[type[RunFailed], tuple[str, str]]:  # it may come from a worker process
+        return RunFailed, (str(self), self.output)
 
 
 @dataclass(frozen=True)
@@ -82,30 +93,42 @@ def version(path: str) -> str:
     return found[1]
 
 
-def run(path: str, arguments: list[str], folder: Path, time_limit: float, frames: int = 1) -> str:
+def run(
+    path: str,
+    arguments: list[str],
+    folder: Path,
+    time_limit: float,
+    frames: int = 1,
+    user_folder: Path | None = None,
+) -> str:
     """Runs povray in `folder`, and returns the last KEPT_BYTES of what it prints, more where it renders many frames.
-    Where it was STARVED, it is run again.
+    Where it was STARVED, it is run again. The only ini file that it reads unasked is aliascope.ini in `folder`.
+    `user_folder`: where it runs instead, for a user's own scene, which sees the user's home.
 
-    Raises JobFailed where it fails, is killed, or has not ended after `time_limit` seconds on the wall, and
-    NotAvailable where it cannot be started. Afterwards no process of it is left.
+    Raises RunFailed where it fails or is killed, TimeLimit where it has not ended after `time_limit` seconds on the
+    wall, and NotAvailable where it cannot be started. Afterwards no process of it is left.
     """
     preloaded = " ".join(
         filter(None, (os.environ.get("LD_PRELOAD"), str(SHORT_WAITS) if SHORT_WAITS.is_file() else ""))
     )
     ini = folder / "aliascope.ini"
-    environment = {**os.environ, "POVINI": str(ini), "HOME": str(folder), "LC_ALL": "C", "LD_PRELOAD": preloaded}
+    environment = {**os.environ, "POVINI": str(ini), "LC_ALL": "C", "LD_PRELOAD": preloaded}
+    if user_folder is None:
+        environment["HOME"] = str(folder)
     most = max(KEPT_BYTES, frames * KEPT_BYTES_A_FRAME)
     deadline = time.monotonic() + time_limit
     for _ in range(STARTS):
         try:
-            ended = process.run([path, *arguments], folder, deadline - time.monotonic(), environment, most)
-        except JobFailed as error:
-            raise JobFailed(f"povray had not ended after {time_limit:.3g} s, its time limit, and was killed") from error
+            ended = process.run(
+                [path, *arguments], user_folder or folder, deadline - time.monotonic(), environment, most
+            )
+        except TimeLimit as error:
+            raise TimeLimit(f"povray had not ended after {time_limit:.3g} s, its time limit, and was killed") from error
         if ended.status == 0:
             return ended.text
         if STARVED not in " ".join(ended.text.split()):
             break
-    raise JobFailed(process.complaint("povray", ended, [FINE_CLOCK]))
+    raise RunFailed(process.complaint("povray", ended, [FINE_CLOCK]), ended.text)
 
 
 def read_statistics(output: str) -> list[Statistics]:

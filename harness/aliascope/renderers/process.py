@@ -32,6 +32,10 @@ _PRCTL = ctypes.CDLL(None).prctl if sys.platform == "linux" else None
 _PR_SET_PDEATHSIG = 1
 
 
+class TimeLimit(JobFailed):
+    """A program had not ended within its time limit."""
+
+
 @dataclass(frozen=True)
 class Ended:
     """A program that has ended by itself: its exit status, that of a signal negative; the end of what it printed, on
@@ -52,7 +56,7 @@ def run(
 ) -> Ended:
     """Runs a program in `folder` until it ends.
 
-    Raises JobFailed where it has not ended after `time_limit` seconds on the wall, and NotAvailable where it cannot be
+    Raises TimeLimit where it has not ended after `time_limit` seconds on the wall, and NotAvailable where it cannot be
     started. Afterwards no process of it is left.
     """
     begun = time.monotonic()
@@ -64,7 +68,7 @@ def run(
         seconds = _end(process)
     if not in_time:
         name = Path(command[0]).name
-        raise JobFailed(f"{name} had not ended after {time_limit:.3g} s, its time limit, and was killed")
+        raise TimeLimit(f"{name} had not ended after {time_limit:.3g} s, its time limit, and was killed")
     return Ended(process.returncode, text, seconds, time.monotonic() - begun)
 
 

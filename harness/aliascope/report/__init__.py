@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from markupsafe import Markup
 
 from aliascope.records import ReportData, SceneSection
 from aliascope.regression.records import Run
-from aliascope.report.document import document, script_json
+from aliascope.report.document import document, json_text
 from aliascope.report.encode import PictureStore
 from aliascope.report.files import digest, environment, source, write_text
 from aliascope.report.filters import FREQUENCIES, Response, filter_responses, filters_csv, filters_json
@@ -23,11 +24,17 @@ from aliascope.report.plots import Plot, colours, plot_csv, plot_svg, plots_of, 
 from aliascope.report.signal_plots import filters_svg, spectrum_svg
 from aliascope.report.spectra import SceneSpectra, spectra_csv, spectra_of
 from aliascope.report.tables import results_csv
+from aliascope.report.trade import TITLES, trade_csv
 from aliascope.report.verdicts import verdicts_html
+from aliascope.trade import Trade, analyse
+from aliascope.trade.records import Knob
 
 SCRIPTS = (
+    "unpack.js",
+    "packed_data.js",
     "core.js",
     "metrics.js",
+    "costs.js",
     "state.js",
     "pictures.js",
     "plot.js",
@@ -35,22 +42,26 @@ SCRIPTS = (
     "filters.js",
     "choose.js",
     "tables.js",
+    "trade.js",
+    "knobs.js",
     "sheet.js",
     "controls.js",
     "viewer.js",
     "page.js",
 )
-"""In the order of their use of each other; they become one function."""
+"""In the order of their use of each other; they become one function, which waits for its data to be inflated."""
 
 
-def write_report(folder: Path, data: ReportData, run: Run | None = None) -> Path:
+def write_report(folder: Path, data: ReportData, run: Run | None = None, measures: Sequence[Knob] = ()) -> Path:
     """Writes report.html, results.csv and plots/ to a folder, which is made; each file whole or not at all. The
-    verdicts of a regression run come before everything else.
+    verdicts of a regression run come before everything else. `measures` are knobs beside those of the modes.
 
     Returns the path of report.html. Raises NotWritable, and InvalidInput where a picture has not its reference's size.
     """
     spectra, filters = spectra_of(data), filter_responses()
-    text = _page(data, spectra, filters, run)
+    trade = analyse(data.scenes)
+    trade = replace(trade, knobs=(*trade.knobs, *measures))
+    text = _page(data, spectra, filters, run, trade)
     palette = colours([row.renderer for scene in data.scenes for row in scene.rows])
     plots = plots_of(data)
     for plot in plots:
@@ -60,38 +71,49 @@ def write_report(folder: Path, data: ReportData, run: Run | None = None) -> Path
         _write_figure(folder, spectrum_name(plot.name), svg, spectra_csv(found, scene.rows))
     if filters:
         _write_figure(folder, "filters", filters_svg(filters), filters_csv(filters))
+    for name, text_ in trade_csv(trade).items():
+        write_text(folder / "plots" / f"{name}.csv", text_)
     write_text(folder / "results.csv", results_csv(data))
     return write_text(folder / "report.html", text)
 
 
 def page(data: ReportData, run: Run | None = None) -> str:
     """The text of report.html."""
-    return _page(data, spectra_of(data), filter_responses(), run)
+    return _page(data, spectra_of(data), filter_responses(), run, analyse(data.scenes))
 
 
-def _page(data: ReportData, spectra: Sequence[SceneSpectra], filters: Sequence[Response], run: Run | None) -> str:
+def _page(
+    data: ReportData, spectra: Sequence[SceneSpectra], filters: Sequence[Response], run: Run | None, trade: Trade
+) -> str:
     pictures = PictureStore()
-    values = document(data, pictures, spectra)
+    values = document(data, pictures, spectra, trade)
     values["colours"] = colours(values["renderers"])
     values["filters"] = {"frequencies": FREQUENCIES, "responses": filters_json(filters)}
-    style = source("page.css") + (source("verdicts.css") if run else "")
+    style = source("page.css") + source("trade.css") + (source("verdicts.css") if run else "")
     body = "\n".join(source(name) for name in SCRIPTS)
-    script = f'(() => {{\n"use strict";\n{body}\n}})();\n'
+    script = f'(async () => {{\n"use strict";\n{body}\n}})();\n'
     pages = environment()
-    pages.filters |= {"figures": _figures, "signed": _signed, "power_of_ten": _power_of_ten}
+    pages.filters |= {
+        "figures": _figures,
+        "signed": _signed,
+        "power_of_ten": _power_of_ten,
+        "signed_percent": _signed_percent,
+    }
     return pages.from_string(source("page.html")).render(
         data=data,
         started=_date(data.started),
         wall=_duration(data.wall_seconds),
         figures=_figure_names(data, spectra, filters),
         filters=filters,
+        trade=trade,
+        tables=[(name, TITLES[name]) for name in trade_csv(trade)],
         quanta=_quanta(data),
         undrawn=_undrawn(data),
         policy=f"default-src 'none'; script-src '{digest(script)}'; style-src '{digest(style)}'",
         style=Markup(style),  # ours
         script=Markup(script),  # ours
-        json=Markup(script_json(values)),  # escaped by script_json
-        pictures=pictures.texts,
+        json=Markup(json_text(values)),  # of characters that mean nothing to HTML
+        pictures=[Markup(text) for text in pictures.texts],  # of characters that mean nothing to HTML
         verdicts=verdicts_html(run, pages),
     )
 
@@ -151,6 +173,10 @@ def _signed(value: float) -> str:
     """Four decimals and the sign; of what rounds to 0 neither."""
     text = f"{value:+.4f}".replace("-", "\u2212")
     return text if text.strip("+\u22120.") else "0.0000"
+
+
+def _signed_percent(value: float) -> str:
+    return f"{value:+.1f} %".replace("-", "\u2212")
 
 
 def _power_of_ten(value: float) -> str:

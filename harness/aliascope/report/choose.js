@@ -1,4 +1,4 @@
-// "Which one?": the best mode for a time or an error, from the Pareto front; the choice of metric; the legend.
+// "Which one?": the best mode for a time or an error, from the Pareto front; what the plot shows; the legend.
 
 function metricChooser() {
   const options = metricNames.map((name) => h("option", { value: name }, metricOf(name).title));
@@ -9,6 +9,31 @@ function metricChooser() {
   onChange((changed) => changed.has("metric") && show());
   show();
   return h("label", { class: "field" }, "Error as ", select);
+}
+
+/** What the first plot is of, and against what. */
+function plotChoosers(plot, heading) {
+  const scenes = documentData.scenes.filter(({ rows }) => rows.length);
+  const over = h("select",
+    { "aria-label": "scenes of the plot", change: () => (over.value === "all" ? change({ over: "all" }) : (chooseScene(over.value.slice(1)), change({ over: "scene" }))) },
+    h("option", { value: "all" }, scopeName), scenes.map(({ name }) => h("option", { value: `=${name}` }, name)));
+  const cost = h("select", { change: () => change({ cost: cost.value }) }, costNames.map((name) => h("option", { value: name }, costs[name].name)));
+  const show = () => {
+    const own = state.over === "scene" && documentData.scenes.length > 1;
+    over.value = own ? `=${state.scene}` : "all";
+    cost.value = state.cost;
+    heading.textContent = `Error against ${costs[state.cost].against}, ${own ? state.scene : scopeName}`;
+  };
+  onChange((changed) => {
+    if (!["over", "scene", "cost"].some((key) => changed.has(key))) return;
+    show();
+    if (plot.rows !== scopeRows()) plot.show(scopeRows());
+  });
+  show();
+  return h("div", { class: "fields" },
+    documentData.scenes.length > 1 ? h("label", { class: "field" }, "Of ", over) : null,
+    metricChooser(),
+    costNames.length > 1 ? h("label", { class: "field" }, "Cost as ", cost) : null);
 }
 
 /** "all 7 scenes", or of how many. */
@@ -22,7 +47,7 @@ const scopeName = (() => {
 /** The rows that are asked about, and what they are called. */
 function scopeRows() {
   const scene = currentScene();
-  return state.over === "scene" ? scene.rows : documentData.pooled;
+  return state.over === "scene" && documentData.scenes.length > 1 ? scene.rows : documentData.pooled;
 }
 
 /** A time between the fastest and the slowest mode of the front, of one significant digit. */
@@ -123,25 +148,47 @@ class Chooser {
       h("option", { value: "all" }, scopeName),
       ...(documentData.scenes.length === 1 ? [] : [h("option", { value: "scene" }, state.scene)]));
     this.over.value = documentData.scenes.length === 1 ? "all" : state.over;
-    this.result.replaceChildren(this.table(rows, metric, asked));
+    this.result.replaceChildren(...this.table(rows, metric, asked).filter(Boolean));
+  }
+
+  /** What a row is judged by where something is asked: the error of those that have the time, else the time. */
+  judged(row, metric, asked) {
+    return asked.time === null ? row.cpu : [badnessOf(row, metric), estimateOf(row, metric.name)[1]];
   }
 
   table(rows, metric, asked) {
     const overall = answer(rows, metric, asked).row;
-    // Of those that have the time the least error, of those that reach the error the least time.
-    const figureOf = (row) => (asked.time === null ? row.cpu : [badnessOf(row, metric), estimateOf(row, metric.name)[1]]);
     const body = documentData.renderers.map((renderer) => {
       const { row, reason } = answer(rows.filter((each) => each.renderer === renderer), metric, asked);
-      const best = row !== undefined && (row === overall || alike(figureOf(row), figureOf(overall)));
+      const best = row !== undefined && (row === overall || alike(this.judged(row, metric, asked), this.judged(overall, metric, asked)));
       return { renderer, row, reason, best };
     });
     body.sort((a, b) => Number(b.best) - Number(a.best));
     const head = ["", metric.title, "CPU s"].map((text, i) =>
       h("th", { scope: "col", class: i ? "number" : null }, text || h("span", { class: "hidden" }, "renderer and mode")));
-    return h("table", { class: "plain" },
-      h("caption", { class: "hidden" }, "The best mode of each renderer for this"),
-      h("thead", {}, h("tr", {}, head)),
-      h("tbody", {}, body.map((entry) => this.line(entry, metric))));
+    return [
+      h("table", { class: "plain" },
+        h("caption", { class: "hidden" }, "The best mode of each renderer for this"),
+        h("thead", {}, h("tr", {}, head)),
+        h("tbody", {}, body.map((entry) => this.line(entry, metric)))),
+      this.remarks(rows, metric, asked, overall),
+    ];
+  }
+
+  /** How sure the answer is: what cannot be told from it, and how probable it is that nothing beats it. */
+  remarks(rows, metric, asked, overall) {
+    if (!overall) return null;
+    const limit = asked.time === null ? metric.badness(asked.error) : null;
+    const fits = (row) => (limit === null ? row.cpu[0] <= asked.time : badnessOf(row, metric) !== null && badnessOf(row, metric) <= limit);
+    const others = rows
+      .filter((row) => row !== overall && !row.missing.length && row.cpu[0] > 0 && badnessOf(row, metric) !== null && fits(row))
+      .filter((row) => alike(this.judged(row, metric, asked), this.judged(overall, metric, asked)));
+    others.sort((a, b) => this.judged(a, metric, asked)[0] - this.judged(b, metric, asked)[0]);
+    const chance = metric.name === "rmse" ? chanceOf(rows, overall) : null;
+    const told = others.slice(0, 3).map((row, i) => [i ? "; " : "", row.renderer, " ", modeName(row)]);
+    return h("p", { class: "note sure" },
+      others.length ? ["Cannot be told from it: ", told, others.length > 3 ? `; and ${others.length - 3} more. ` : ". "] : "No other mode is as good within its uncertainty. ",
+      chance === null ? null : `Probability of being on the front: ${percent(chance)}.`);
   }
 
   line({ renderer, row, reason, best }, metric) {
@@ -149,18 +196,21 @@ class Chooser {
       h("span", { class: "dot", "aria-hidden": "true" }), renderer, row ? [h("br"), modeName(row)] : null);
     name.querySelector(".dot").style.backgroundColor = colourOf(renderer);
     if (!row) return h("tr", { class: "none" }, name, h("td", { colspan: 2, class: "number" }, reason));
+    const [value, error] = estimateOf(row, metric.name);
+    const ends = endsOf(row.cpu);
+    const cell = (text, spread) => h("td", { class: "number" }, text, spread ? h("small", {}, spread) : null);
     return h("tr", { class: best ? "best" : null }, name,
-      h("td", { class: "number" }, figure(estimateOf(row, metric.name)[0])),
-      h("td", { class: "number" }, figure(row.cpu[0])));
+      cell(figure(value), value === null ? "" : uncertainty(value, error)),
+      cell(figure(row.cpu[0]), ends ? rangeText(...ends) : ""));
   }
 }
 
-/** Renderers and families; a family is brought forward under the pointer and hidden or shown by a click. */
+/** Renderers and families; a family is brought forward under the pointer and hidden or shown by a click, a renderer
+ *  with all of its families. Those that the plot does not show are left out. */
 function legend(host, plots) {
   host.append(h("h3", {}, "Legend"));
-  const pooled = new Set(documentData.pooled.map((row) => `${row.renderer}\n${row.family}`));
   for (const renderer of documentData.renderers) {
-    const families = documentData.families.filter(([name, family]) => name === renderer && pooled.has(`${name}\n${family}`));
+    const families = documentData.families.filter(([name]) => name === renderer);
     if (!families.length) continue;
     const items = families.map((entry) => {
       const family = entry[1];
@@ -185,12 +235,34 @@ function legend(host, plots) {
       };
       onChange((changed) => changed.has("hidden") && show());
       show();
-      return h("li", {}, toggle);
+      return h("li", { "data-family": key }, toggle);
     });
-    const name = h("h4", {}, h("span", { class: "dot", "aria-hidden": "true" }), renderer);
-    name.querySelector(".dot").style.backgroundColor = colourOf(renderer);
-    host.append(h("div", { class: "renderer" }, name, h("ul", {}, items)));
+    const whole = rendererToggle(renderer, families.map((entry) => String(documentData.families.indexOf(entry))));
+    const block = h("div", { class: "renderer" }, h("h4", {}, whole), h("ul", {}, items));
+    const leaveOut = () => {
+      const shown = new Set(scopeRows().map((row) => `${row.renderer}\n${row.family}`));
+      for (const item of items) item.hidden = !shown.has(item.dataset.family);
+      block.hidden = items.every((item) => item.hidden);
+    };
+    onChange((changed) => (changed.has("over") || changed.has("scene")) && leaveOut());
+    leaveOut();
+    host.append(block);
   }
   host.append(h("p", { class: "keyline" }, h("span", { class: "front-sample", "aria-hidden": "true" }),
-    "Pareto front: nothing is both faster and better"));
+    "Pareto front: nothing is both cheaper and better"),
+  h("p", { class: "keyline" }, s("svg", { viewBox: "-9 -9 18 18", width: 18, height: 18, "aria-hidden": "true" }, s("circle", { class: "chance", r: 7.5 })),
+    "Ring, the stronger the more probable: on the front of this scene"));
+}
+
+/** Hides or shows all families of a renderer. */
+function rendererToggle(renderer, indices) {
+  const hidden = () => indices.every((index) => (state.hidden ?? "").split(",").includes(index));
+  const turn = (hide) => change({ hidden: indices.reduce((text, index) => withName(text, index, hide), state.hidden) });
+  const button = h("button", { type: "button", class: "whole", title: "hide or show all of it", click: () => turn(!hidden()) },
+    h("span", { class: "dot", "aria-hidden": "true" }), renderer);
+  button.querySelector(".dot").style.backgroundColor = colourOf(renderer);
+  const show = () => button.setAttribute("aria-pressed", String(!hidden()));
+  onChange((changed) => changed.has("hidden") && show());
+  show();
+  return button;
 }

@@ -1,6 +1,5 @@
 // Elements, numbers and names. Text from the data reaches the page as text nodes and attributes only.
 
-const documentData = JSON.parse(document.getElementById("data").textContent);
 const svgSpace = "http://www.w3.org/2000/svg";
 
 function build(node, attributes, children) {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -11,17 +12,31 @@ from typing import Any
 import numpy as np
 
 from aliascope.records import Estimate, ModeRow, ReportData, SceneSection
-from aliascope.report.encode import PictureStore, counts_picture, error_map, error_scale, surprise_picture, worst_pixel
-from aliascope.report.pool import Curve, curve_of, in_common, pool, under_one_filter
+from aliascope.report.encode import (
+    PictureStore,
+    counts_picture,
+    error_map,
+    error_scale,
+    surprise_picture,
+    to_text,
+    worst_pixel,
+)
+from aliascope.report.packing import Known
+from aliascope.report.pool import Curve, curve_of, in_common, pool, rounded, under_one_filter
+from aliascope.report.relations import find_relations
 from aliascope.report.spectra import SceneSpectra, check_size, spectra_json
+from aliascope.report.trade import trade_json
+from aliascope.trade import Trade
 
 Json = Any
 
 
-def document(data: ReportData, pictures: PictureStore, spectra: Sequence[SceneSpectra]) -> dict[str, Json]:
+def document(
+    data: ReportData, pictures: PictureStore, spectra: Sequence[SceneSpectra], trade: Trade
+) -> dict[str, Json]:
     """The report for the page's scripts; its pictures go to `pictures`. No NaN or Infinity in it: null.
 
-    `spectra` are those of the scenes, in their order.
+    `spectra` are those of the scenes, in their order, `trade` is what was analysed of them.
 
     Raises InvalidInput where a picture and its reference differ in size.
     """
@@ -38,7 +53,14 @@ def document(data: ReportData, pictures: PictureStore, spectra: Sequence[SceneSp
         "pooledScenes": [scene.name for scene in common],
         "countedScenes": [scene.name for scene in under_one_filter(data.scenes)],
         "pooled": [_curve(curve) for curve in pool(common)],
+        "trade": trade_json(trade),
     }
+
+
+def json_text(value: Json) -> str:
+    """JSON, deflated, as the text that pictures stand in too."""
+    data = json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":")).encode()
+    return to_text(zlib.compress(data, 9))
 
 
 def script_json(value: Json) -> str:
@@ -53,17 +75,20 @@ def _scene(scene: SceneSection, data: ReportData, pictures: PictureStore, spectr
     for row in scene.rows:
         check_size(row, scene)
     errors = [error_map(row.pixels, scene.reference) for row in scene.rows]
+    relations = find_relations([scene.reference, *(row.pixels for row in scene.rows)])
+    known = Known(scene.reference, relations)
     return {
         "name": scene.name,
         "title": scene.title,
         "shows": scene.shows,
         "width": scene.reference.shape[1],
         "height": scene.reference.shape[0],
-        "reference": pictures.add(scene.reference),
+        "relations": {"lines": relations.lines.tolist(), "planes": relations.planes.tolist()},
+        "reference": pictures.add(scene.reference, Known(None, relations)),
         "scale": error_scale(errors),
         "mostSamples": max((int(row.counts.max()) for row in scene.rows if row.counts is not None), default=None),
         "rows": [
-            {**_curve(curve_of(row)), **_picture(row, worst_pixel(error), pictures)}
+            {**_curve(curve_of(row)), **_picture(row, worst_pixel(error), pictures, known)}
             for row, error in zip(scene.rows, errors, strict=True)
         ],
         "spectra": spectra_json(spectra),
@@ -71,9 +96,9 @@ def _scene(scene: SceneSection, data: ReportData, pictures: PictureStore, spectr
     }
 
 
-def _picture(row: ModeRow, worst: tuple[int, int], pictures: PictureStore) -> dict[str, Json]:
+def _picture(row: ModeRow, worst: tuple[int, int], pictures: PictureStore, known: Known) -> dict[str, Json]:
     return {
-        "picture": pictures.add(row.pixels),
+        "picture": pictures.add(row.pixels, known, row.quantum),
         "counts": pictures.add(counts_picture(row.counts)) if row.counts is not None else None,
         "surprise": pictures.add(surprise_picture(row.p_values)) if row.p_values is not None else None,
         "worst": list(worst),
@@ -102,6 +127,8 @@ def _curve(curve: Curve) -> dict[str, Json]:
         "label": curve.label,
         "family": curve.family,
         "spp": number(curve.samples_per_pixel),
+        "rays": rounded(curve.rays_per_pixel),
+        "instructions": rounded(curve.instructions),
         "cpu": _estimate(curve.cpu_seconds),
         "metrics": _estimates(curve.metrics),
         "pictures": curve.pictures,
@@ -114,7 +141,9 @@ def _estimates(metrics: Mapping[str, Estimate]) -> dict[str, Json]:
 
 
 def _estimate(estimate: Estimate) -> list[float | None]:
-    return [number(estimate.value), number(estimate.standard_error)]
+    """[value, standard error], and the ends of its interval where it has one of its own."""
+    found = [rounded(estimate.value, 9), rounded(estimate.standard_error)]
+    return [*found, *(rounded(end) for end in estimate.interval)] if estimate.interval else found
 
 
 def number(value: float | None) -> float | None:

@@ -58,7 +58,7 @@ class HistoryPage:
 def history_page(page: HistoryPage) -> str:
     """The text of the page."""
     style = source("page.css") + source("history.css")
-    body = "\n".join(source(name) for name in ("core.js", "history_plot.js", "history.js"))
+    body = "\n".join(source(name) for name in ("plain_data.js", "core.js", "history_plot.js", "history.js"))
     script = f'(() => {{\n"use strict";\n{body}\n}})();\n'
     values = {**page.data, "colours": colours(page.renderers), "families": []}
     return (

@@ -49,11 +49,11 @@ function efficiencyOf(row) {
 const tellingErrors = 2;
 const alike = ([a, aError], [b, bError]) => Math.abs(a - b) <= tellingErrors * Math.hypot(aError ?? 0, bError ?? 0);
 
-/** The rows that no other beats in both time and badness, by rising time. Those that lack a scene don't take part. */
-function paretoFront(rows, metric) {
+/** The rows that no other beats in both cost and badness, by rising cost. Those that lack a scene don't take part. */
+function paretoFront(rows, metric, costOf = (row) => row.cpu) {
   const points = rows
-    .filter((row) => row.missing.length === 0 && row.cpu[0] > 0 && badnessOf(row, metric) !== null)
-    .map((row) => ({ row, time: row.cpu[0], badness: badnessOf(row, metric) }))
+    .filter((row) => row.missing.length === 0 && costOf(row)[0] > 0 && badnessOf(row, metric) !== null)
+    .map((row) => ({ row, time: costOf(row)[0], badness: badnessOf(row, metric) }))
     .sort((a, b) => a.time - b.time || a.badness - b.badness);
   const front = [];
   for (const point of points) {

@@ -73,7 +73,7 @@ async function drawSheets() {
 
 function update(changed, viewer) {
   if (changed.has("scene")) showScene(viewer);
-  if (changed.has("metric")) plots.forEach((plot) => plot.draw());
+  if (changed.has("metric") || changed.has("cost")) plots.forEach((plot) => plot.draw());
   if (changed.has("metric") || changed.has("sort")) tables.forEach((table) => table.draw());
   if (["a", "b", "scene", "metric"].some((key) => changed.has(key))) {
     plots.forEach((plot) => plot.mark());
@@ -154,15 +154,18 @@ function start() {
   if (!documentData.scenes.length) return;
   buildScenes(document.getElementById("scenes"));
   const overview = document.getElementById("overview-plot");
-  const pooled = new Plot(overview, documentData.pooled, scopeName);
+  const pooled = new Plot(overview, scopeRows(), scopeName);
   plots.unshift(pooled);
-  overview.prepend(h("div", { class: "figure-head" }, h("h3", {}, `Error against time, ${scopeName}`), metricChooser()));
+  const heading = h("h3");
+  overview.prepend(h("div", { class: "figure-head" }, heading, plotChoosers(pooled, heading)));
   overview.append(...leftOut());
   new Chooser(document.getElementById("choose"));
   legend(document.getElementById("legend"), plots);
   tables.push(new ModeTable(document.getElementById("pooled"), documentData.pooled, `Modes over ${scopeName}`, false));
   plots.forEach((plot) => plot.draw());
   spectra.forEach((spectrum) => spectrum.draw());
+  const tables_ = document.getElementById("trade-tables");
+  if (tables_) new TradeTables(tables_);
   const filters = document.getElementById("filter-panels");
   if (filters) new Filters(filters, documentData.filters);
   keepOpened("pooled", document.getElementById("pooled"));

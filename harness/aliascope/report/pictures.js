@@ -1,51 +1,11 @@
-// Pictures: decoded when they are first shown (`encode.py` says how they are stored), coloured when they are drawn.
+// Pictures: decoded when they are first shown, coloured when they are drawn.
 
 const decoded = new Map();
 const decodedLimit = 256e6; // bytes; the pictures used longest ago are decoded again when they are needed
 let decodedBytes = 0;
 
-async function inflate(text) {
-  const binary = atob(text);
-  const bytes = new Uint8Array(binary.length);
-  for (let i = 0; i < bytes.length; i++) bytes[i] = binary.charCodeAt(i);
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
-}
-
-/** Words [count][3] from byte planes [significance][channel][count]. */
-function wordsOf(planes, count) {
-  const words = new Uint32Array(3 * count);
-  for (let channel = 0; channel < 3; channel++) {
-    for (let i = 0; i < count; i++) {
-      let word = 0;
-      for (let byte = 0; byte < 4; byte++) word = (word << 8) | planes[(byte * 3 + channel) * count + i];
-      words[3 * i + channel] = channel === 0 ? word : word + words[3 * i];
-    }
-  }
-  return words;
-}
-
-/** The linear values of a picture, Float32Array [height][width][3]. */
-async function decode(id, width, height) {
-  const body = await inflate(document.getElementById(`picture-${id}`).textContent);
-  const count = new DataView(body.buffer).getUint32(1, true);
-  const data = body.subarray(5);
-  const total = width * height;
-  if (body[0] === 0) return new Float32Array(wordsOf(data, total).buffer);
-  const colours = wordsOf(data, count);
-  const index = data.subarray(12 * count);
-  const words = new Uint32Array(3 * total);
-  for (let i = 0; i < total; i++) {
-    const colour = 3 * (count <= 256 ? index[i] : index[i] * 256 + index[total + i]);
-    words[3 * i] = colours[colour];
-    words[3 * i + 1] = colours[colour + 1];
-    words[3 * i + 2] = colours[colour + 2];
-  }
-  return new Float32Array(words.buffer);
-}
-
-/** The picture with a number, in a scene's size: {values, width, height}. */
-async function picture(id, scene) {
+/** The picture with a number, in a scene's size: {values, width, height}. `known` is what it was told by. */
+async function picture(id, scene, known = async () => nothing) {
   let entry = decoded.get(id);
   if (entry) {
     decoded.delete(id);
@@ -53,7 +13,7 @@ async function picture(id, scene) {
     const { width, height } = scene;
     const size = width * height * 12;
     decodedBytes += size;
-    entry = { size, promise: decode(id, width, height).then((values) => ({ values, width, height })) };
+    entry = { size, promise: known().then((told) => decode(id, width, height, told)).then((values) => ({ values, width, height })) };
   }
   decoded.set(id, entry);
   for (const [old, { size }] of decoded) {
@@ -64,7 +24,12 @@ async function picture(id, scene) {
   return entry.promise;
 }
 
-const pictureOf = (scene, row) => picture(row ? row.picture : scene.reference, scene);
+/** The picture of a row, told by the reference and the relations of its scene; null is the reference. */
+function pictureOf(scene, row) {
+  const { relations } = scene;
+  if (!row) return picture(scene.reference, scene, async () => ({ relations, reference: null }));
+  return picture(row.picture, scene, async () => ({ relations, reference: (await pictureOf(scene, null)).values }));
+}
 
 /** The samples of each pixel: a picture, one number where all have as many, null for the reference. */
 function samplesOf(scene, row) {

@@ -1,4 +1,4 @@
-// Error against CPU time, log-log: a colour a renderer, a shape a family, a line along each, the Pareto front behind.
+// Error against cost, log-log: a colour a renderer, a shape a family, a line along each, the Pareto front behind.
 
 const plotMargin = { top: 30, right: 14, bottom: 40, left: 52 };
 
@@ -51,7 +51,7 @@ class Plot {
     this.rows = rows;
     this.title = title;
     this.hidden = new Set();
-    this.svg = s("svg", { class: "plot", role: "group", "aria-label": `${title}: error against CPU time` });
+    this.svg = s("svg", { class: "plot", role: "group", "aria-label": `${title}: error against cost` });
     this.tip = h("div", { class: "tip", hidden: true });
     this.note = h("figcaption", { class: "note" });
     host.append(h("figure", {}, h("div", { class: "plot-box" }, this.svg, this.tip), this.note));
@@ -64,26 +64,34 @@ class Plot {
     }).observe(host);
   }
 
+  /** Shows other rows, of a scene or pooled. */
+  show(rows) {
+    this.rows = rows;
+    this.draw();
+  }
+
   draw() {
     const metric = metricOf(state.metric);
     this.metric = metric;
+    this.cost = costs[state.cost];
     this.width = this.host.clientWidth || 640;
-    this.height = clamp(Math.round(this.width * 0.56), 330, 540);
+    this.height = clamp(Math.round(this.width * 0.6), 330, 600);
     const sorted = this.sortRows(metric);
     this.svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
     this.svg.replaceChildren();
     this.points = [];
     if (!sorted.plain.length) {
       this.svg.append(s("text", { x: this.width / 2, y: this.height / 2, class: "axis-title", "text-anchor": "middle" },
-        "Nothing to plot: no mode has both an error and a time."));
+        `Nothing to plot: no mode has both an error and ${state.cost === "cpu" ? "a time" : this.cost.name}.`));
       this.note.replaceChildren(...this.remarks(sorted, metric));
       return;
     }
     const bottom = this.height - plotMargin.bottom - (sorted.zero.length ? 20 : 0);
     this.bottom = bottom;
-    this.x = axisScale([...sorted.plain, ...sorted.zero].map((row) => row.cpu[0]), plotMargin.left, this.width - plotMargin.right, false);
+    this.x = axisScale([...sorted.plain, ...sorted.zero].map((row) => this.cost.of(row)[0]), plotMargin.left, this.width - plotMargin.right, false);
     this.y = axisScale(sorted.plain.map((row) => badnessOf(row, metric)), bottom, plotMargin.top, metric.linear);
     this.drawAxes(metric, sorted);
+    this.drawQuantisation(metric);
     this.drawFront(metric);
     this.drawFamilies(sorted.plain, metric);
     this.drawPoints(sorted, metric);
@@ -99,7 +107,7 @@ class Plot {
     const plain = [], zero = [], without = [];
     for (const row of this.rows) {
       const badness = badnessOf(row, metric);
-      if (!(row.cpu[0] > 0) || badness === null) without.push(row);
+      if (!(this.cost.of(row)[0] > 0) || badness === null) without.push(row);
       else if (metric.linear ? badness === -Infinity : badness <= 0) zero.push(row);
       else plain.push(row);
     }
@@ -111,8 +119,12 @@ class Plot {
     return [
       hollow.length ? `Hollow: ${counted(hollow.length, "mode")} without every scene, left out of the front. ` : "",
       zero.length ? `On the lowest line: ${zero.length} without any error. ` : "",
-      without.length ? `Not shown, for want of a time that could be told or of a ${metric.label}: ${without.map(readable).join("; ")}. ` : "",
+      without.length ? `Not shown, for want of ${this.wanted()} or of a ${metric.label}: ${without.length > 8 ? counted(without.length, "mode") : without.map(readable).join("; ")}. ` : "",
     ].filter((text) => text).map((text) => h("span", {}, text));
+  }
+
+  wanted() {
+    return state.cost === "cpu" ? "a time that could be told" : `a number of ${this.cost.name}`;
   }
 
   drawAxes(metric, { zero }) {
@@ -138,12 +150,12 @@ class Plot {
     this.drawEfficiencies(grid, metric);
     this.svg.append(grid, labels,
       s("text", { x: left, y: 14, class: "axis-title" }, `${metric.plotted} against the reference`),
-      s("text", { x: right, y: this.height - 6, class: "axis-title", "text-anchor": "end" }, "CPU seconds a picture"));
+      s("text", { x: right, y: this.height - 6, class: "axis-title", "text-anchor": "end" }, this.cost.axis));
   }
 
   /** Lines of equal efficiency, a factor of 100 apart: along them, error falls as plain Monte Carlo's. */
   drawEfficiencies(grid, metric) {
-    if (metric.name !== "rmse") return;
+    if (metric.name !== "rmse" || state.cost !== "cpu") return;
     const [x0, x1] = [10 ** this.x.low, 10 ** this.x.high];
     const [y0, y1] = [10 ** this.y.low, 10 ** this.y.high];
     const highest = Math.ceil(-Math.log10(y0 * y0 * x0) / 2) * 2;
@@ -164,13 +176,24 @@ class Plot {
     }
   }
 
+  /** The error of rounding to 8 bits, the natural end of the trade, where it is in sight. */
+  drawQuantisation(metric) {
+    const error = trade.quantisation;
+    if (metric.name !== "rmse" || Math.log10(error) < this.y.low || Math.log10(error) > this.y.high) return;
+    const y = this.y.at(error);
+    const right = this.width - plotMargin.right;
+    this.svg.append(s("g", { class: "quantisation" },
+      s("line", { x1: plotMargin.left, x2: right, y1: y, y2: y }),
+      s("text", { x: right - 2, y: y - 4, "text-anchor": "end" }, this.width < 480 ? "8 bits" : `rounding to 8 bits, ${figure(error)}`)));
+  }
+
   drawFront(metric) {
-    const front = paretoFront(this.rows, metric).filter(({ badness }) => metric.linear ? badness > -Infinity : badness > 0);
+    const front = paretoFront(this.rows, metric, this.cost.of).filter(({ badness }) => metric.linear ? badness > -Infinity : badness > 0);
     if (!front.length) return;
     const [first, ...rest] = front.map(({ time, badness }) => [this.x.at(time), this.y.at(badness)]);
     const steps = rest.map(([x, y]) => `H${x}V${y}`).join("");
     const path = `M${first[0]} ${plotMargin.top}V${first[1]}${steps}H${this.width - plotMargin.right}`;
-    this.svg.append(s("path", { class: "front", d: path }, s("title", {}, "Pareto front: no mode is both faster and better")));
+    this.svg.append(s("path", { class: "front", d: path }, s("title", {}, "Pareto front: no mode is both cheaper and better")));
   }
 
   drawFamilies(rows, metric) {
@@ -180,10 +203,10 @@ class Plot {
       families.set(key, [...(families.get(key) ?? []), row]);
     }
     for (const [key, members] of families) {
-      members.sort((a, b) => a.spp - b.spp || a.cpu[0] - b.cpu[0]);
+      members.sort((a, b) => a.spp - b.spp || this.cost.of(a)[0] - this.cost.of(b)[0]);
       const colour = colourOf(members[0].renderer);
       const group = s("g", { class: "family", "data-family": key, stroke: colour });
-      const places = members.map((row) => `${this.x.at(row.cpu[0])} ${this.y.at(badnessOf(row, metric))}`);
+      const places = members.map((row) => `${this.x.at(this.cost.of(row)[0])} ${this.y.at(badnessOf(row, metric))}`);
       group.append(s("path", { class: "line", d: `M${places.join("L")}` }));
       for (const row of members) group.append(...this.errorBars(row, metric));
       this.svg.append(group);
@@ -192,7 +215,7 @@ class Plot {
 
   errorBars(row, metric) {
     const [, error] = estimateOf(row, metric.name);
-    const [time, timeError] = row.cpu;
+    const [time, timeError] = this.cost.of(row);
     const badness = badnessOf(row, metric);
     const [x, y] = [this.x.at(time), this.y.at(badness)];
     const bars = [];
@@ -211,13 +234,14 @@ class Plot {
   drawPoints({ plain, zero }, metric) {
     const rail = this.height - plotMargin.bottom - 6;
     const places = [
-      ...plain.map((row) => ({ row, x: this.x.at(row.cpu[0]), y: this.y.at(badnessOf(row, metric)) })),
-      ...zero.map((row) => ({ row, x: this.x.at(row.cpu[0]), y: rail })),
+      ...plain.map((row) => ({ row, x: this.x.at(this.cost.of(row)[0]), y: this.y.at(badnessOf(row, metric)) })),
+      ...zero.map((row) => ({ row, x: this.x.at(this.cost.of(row)[0]), y: rail })),
     ].sort((a, b) => a.x - b.x);
     for (const place of places) {
       const { row } = place;
       const colour = colourOf(row.renderer);
-      const label = `${readable(row)}: ${metricText(row, metric)}, ${figure(row.cpu[0])} CPU seconds`;
+      const label = `${readable(row)}: ${metricText(row, metric)}, ${figure(this.cost.of(row)[0])} ${this.cost.unit}`;
+      const chance = this.chance(row);
       place.node = s(
         "g",
         {
@@ -226,12 +250,18 @@ class Plot {
           transform: `translate(${place.x} ${place.y})`,
           focus: () => this.showTip(place), blur: () => this.showTip(null),
         },
+        chance ? s("circle", { class: "chance", r: 7.5, "stroke-opacity": chance }) : "",
         s("path", row.missing.length ? { d: shapeOf(row), stroke: colour } : { d: shapeOf(row), fill: colour }),
       );
       this.svg.append(place.node);
     }
     this.points = places;
     if (places.length) places[0].node.setAttribute("tabindex", "0");
+  }
+
+  /** The probability of a row's being on the front that is drawn: it is known of RMSE and time. */
+  chance(row) {
+    return this.metric.name === "rmse" && state.cost === "cpu" ? chanceOf(this.rows, row) : null;
   }
 
   /** Rings and letters around A and B. */
@@ -268,7 +298,13 @@ class Plot {
 
   pick(event) {
     const place = this.nearest(event);
-    if (place) choose(event.shiftKey ? "b" : "a", identity(place.row));
+    if (place) this.open(event, place);
+  }
+
+  /** A click opens a mode beside the reference, and shows them; with shift it becomes B. */
+  open(event, { row }) {
+    if (event.shiftKey) choose("b", identity(row));
+    else if (choose("a", identity(row), { b: referenceName })) showPictures();
   }
 
   key(event) {
@@ -281,7 +317,7 @@ class Plot {
       next.node.setAttribute("tabindex", "0");
       next.node.focus();
     } else if (event.key === "Enter" || event.key === " ") {
-      choose(event.shiftKey ? "b" : "a", identity(this.points[now].row));
+      this.open(event, this.points[now]);
     } else {
       return;
     }
@@ -296,15 +332,21 @@ class Plot {
     const { row } = place;
     const line = (name, value) => (value ? h("div", {}, h("dt", {}, name), h("dd", {}, value)) : null);
     const [value, error] = estimateOf(row, this.metric.name);
+    const chance = this.chance(row);
+    const ends = endsOf(row.cpu);
     this.tip.replaceChildren(
       h("p", {}, marker(row), " ", h("b", {}, row.renderer), " ", modeName(row)),
       h("dl", {},
         line(this.metric.title, `${estimated(value, error)} ${uncertainty(value, error)}`),
-        line("CPU seconds", `${figure(row.cpu[0])} ${uncertainty(...row.cpu)}`),
+        line("CPU seconds", timeFigure(row.cpu[0])),
+        line("", ends && rangeText(...ends)),
         line("samples a pixel", figure(row.spp)),
+        line("rays a pixel", state.cost === "rays" && row.rays && figure(row.rays)),
+        line("instructions", state.cost === "instructions" && row.instructions && figure(row.instructions)),
+        line("on the front", chance !== null && percent(chance)),
         line("efficiency", figure(efficiencyOf(row)[0])),
         line("lacks", row.missing.join("; "))),
-      h("p", { class: "hint" }, "click: A · shift-click: B"),
+      h("p", { class: "hint" }, "click: see it beside the reference · shift-click: as B"),
     );
     const unit = this.svg.getBoundingClientRect().width / this.width;
     const [x, y] = [place.x * unit, place.y * unit];

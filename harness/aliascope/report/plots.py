@@ -21,6 +21,7 @@ from matplotlib.lines import Line2D
 from aliascope.records import Estimate, ReportData
 from aliascope.report.document import number
 from aliascope.report.pool import Curve, curve_of, efficiency, in_common, pareto_front, pool, under_one_filter, usable
+from aliascope.report.trade import TITLES
 
 OKABE_ITO: Mapping[str, str] = {"embree": "#0072B2", "povray": "#D55E00", "osmesa": "#009E73"}
 OTHERS = ("#CC79A7", "#E69F00", "#56B4E9")
@@ -59,10 +60,10 @@ def colours(renderers: Sequence[str]) -> dict[str, str]:
 def plots_of(data: ReportData) -> list[Plot]:
     """All scenes together, then each: their files' names are made of letters, digits and "-" and are all different.
 
-    A scene NAME has NAME-spectrum too, see `spectrum_name`; "filters" is no scene's.
+    A scene NAME has NAME-spectrum too, see `spectrum_name`; "filters" and the tables of the trade are no scene's.
     """
     plots: list[Plot] = []
-    taken = {"filters"}
+    taken = {"filters", *TITLES}
     if len(data.scenes) > 1:
         taken.add("all-scenes")
         common = in_common(data.scenes)

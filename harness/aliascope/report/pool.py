@@ -22,6 +22,8 @@ class Curve:
     metrics: Mapping[str, Estimate]
     pictures: int
     missing: tuple[str, ...] = ()
+    rays_per_pixel: float | None = None
+    instructions: float | None = None
 
 
 def curve_of(row: ModeRow) -> Curve:
@@ -35,7 +37,14 @@ def curve_of(row: ModeRow) -> Curve:
         cpu_seconds=row.cpu_seconds,
         metrics=row.metrics,
         pictures=row.pictures,
+        rays_per_pixel=_rays_per_pixel(row),
+        instructions=row.instructions,
     )
+
+
+def _rays_per_pixel(row: ModeRow) -> float | None:
+    """Of all kinds; None where the renderer does not count them."""
+    return sum(row.rays.values()) / (row.pixels.shape[0] * row.pixels.shape[1]) if row.rays else None
 
 
 def in_common(scenes: Sequence[SceneSection]) -> tuple[SceneSection, ...]:
@@ -106,7 +115,14 @@ def _pooled(rows: Mapping[str, ModeRow], names: Sequence[str]) -> Curve:
         metrics=pooled,
         pictures=sum(row.pictures for row in drawn),
         missing=tuple(name for name in names if name not in rows),
+        rays_per_pixel=_mean([Estimate(_rays_per_pixel(row)) for row in drawn]).value,
+        instructions=_mean([Estimate(row.instructions) for row in drawn]).value,
     )
+
+
+def rounded(value: float | None, digits: int = 6) -> float | None:
+    """A figure for the page's scripts, which show three digits: None where there is none or it is not finite."""
+    return float(f"{value:.{digits}g}") if value is not None and math.isfinite(value) else None
 
 
 def usable(value: float | None) -> bool:

@@ -11,6 +11,7 @@ const viewNames = {
   "p-values-a": "p-values A",
 };
 const referenceName = "reference";
+const tradeTabs = ["error", "time", "rate", "scenes", "knobs"];
 const sceneByName = new Map(documentData.scenes.map((scene) => [scene.name, scene]));
 const state = {};
 const listeners = [];
@@ -75,6 +76,10 @@ function parseState(fragment) {
     metric: choice("metric", metricNames, defaultMetric),
     sort: /^(mode|error|spp|cpu|efficiency|pictures)-(up|down)$/.test(given.get("sort") ?? "") ? given.get("sort") : "error-up",
     over: given.get("over") === "scene" ? "scene" : "all",
+    cost: choice("cost", costNames, "cpu"),
+    trade: choice("trade", tradeTabs, tradeTabs[0]),
+    reach: numberIn(given.get("reach"), 0, 1e12),
+    afford: numberIn(given.get("afford"), 0, 1e12),
     time: numberIn(given.get("time"), 1e-12, 1e12),
     error: numberIn(given.get("error"), -1e12, 1e12),
     hidden: listOf(given.get("hidden"), documentData.families.map((_, i) => String(i))),
@@ -84,7 +89,7 @@ function parseState(fragment) {
 
 function fragmentOf(values) {
   const out = new URLSearchParams();
-  const usual = { view: "side", split: 0.5, exposure: 0, metric: defaultMetric, sort: "error-up", over: "all" };
+  const usual = { view: "side", split: 0.5, exposure: 0, metric: defaultMetric, sort: "error-up", over: "all", cost: "cpu", trade: tradeTabs[0] };
   for (const [key, value] of Object.entries(values)) {
     if (value === null || value === undefined || value === usual[key]) continue;
     out.set(key, typeof value === "number" ? String(Number(value.toPrecision(8))) : value);
@@ -128,13 +133,21 @@ function chooseScene(name) {
   change({ scene: name, ...next, x, y, cx: null, cy: null, zoom: null, scale: null });
 }
 
-/** Puts a mode into A or B, where the scene has it. */
-function choose(slot, name) {
+/** Puts a mode into A or B, where the scene has it: returns whether it has. `also` is changed with it. */
+function choose(slot, name, also = {}) {
   const row = rowOf(currentScene(), name);
   if (row === undefined) {
     announce(`${name} has no picture of ${state.scene}`);
-    return;
+    return false;
   }
-  change({ [slot]: name });
+  change({ [slot]: name, ...also });
   announce(`${slot.toUpperCase()}: ${row ? readable(row) : name}`);
+  return true;
+}
+
+/** Brings the pictures into sight, and gives them the keys. */
+function showPictures() {
+  const stage = document.querySelector(".stage");
+  stage?.focus({ preventScroll: true });
+  stage?.closest(".viewer").scrollIntoView({ block: "start" });
 }

@@ -70,6 +70,7 @@ class ModeTable {
   /** `picks` is whether rows can be put into A and B: those of a scene, not the pooled ones. */
   constructor(host, rows, caption, picks) {
     Object.assign(this, { rows, caption, picks });
+    this.scene = documentData.scenes.find((scene) => scene.rows === rows);
     this.table = h("table", { class: "modes", click: (event) => this.click(event) });
     host.append(
       h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": caption }, this.table),
@@ -99,6 +100,11 @@ class ModeTable {
       columns_[key] = alignPoints(list.map(([value, error]) => (key === "cpu" ? timeFigure(value) : estimated(value, error))));
       columns_[`${key}±`] = alignPoints(list.map(([value, error]) => (value === null ? "" : uncertainty(value, error))));
     }
+    const known = this.picks ? tradeOf(this.scene)?.efficiency ?? {} : {};
+    columns_["efficiency±"] = this.sorted.map((row, i) => {
+      const ends = known[identity(row)];
+      return ends ? rangeText(...ends.slice(1).map((end) => (end === null ? null : end / 10 ** this.power))).replace(" to ", "\u2013") : columns_["efficiency±"][i];
+    });
     columns_.error = columns_.error.map((text, i) => (badnessOf(this.sorted[i], metric) === -Infinity ? "∞" : text));
     columns_.spp = alignPoints(this.sorted.map((row) => (Number.isInteger(row.spp) ? groups(String(row.spp)) : figure(row.spp))));
     columns_.pictures = this.sorted.map((row) => String(row.pictures));

@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from aliascope import image, jobs, metrics, pipeline, places, references, renderers
+from aliascope import image, jobs, metrics, pipeline, places, references, renderers, trade
 from aliascope.draws import UNMOVED, text_of
 from aliascope.errors import CheckFailed, Interrupted, NotWritable, Unsupported
 from aliascope.jobs import Judged, Plan
@@ -29,6 +29,8 @@ from aliascope.store import Store
 from aliascope.studies import probes
 from aliascope.studies.headlines import headlines
 from aliascope.studies.progress import converging
+from aliascope.trade import words
+from aliascope.trade.records import Knob
 from aliascope.workers import Workers
 
 
@@ -49,9 +51,10 @@ def compare(
     command: str,
     progress: Progress,
     tell: Callable[[str], None],
+    measures: Sequence[Knob] = (),
 ) -> Comparison:
     """Renders what `folder` does not have yet, and writes results and report there. `tell` is given what a user has to
-    know, `progress` what takes time.
+    know, `progress` what takes time. `measures` are shown with the knobs of the modes.
 
     Raises CheckFailed for a scene of the project without its reference, Unsupported for a scene that nothing draws,
     NotWritable for the folder.
@@ -101,7 +104,7 @@ def compare(
         probe_limits=probes.LIMITS,
         noise=noise,
     )
-    return Comparison(write_report(folder, data), data, len(outcomes) - reused, outcomes)
+    return Comparison(write_report(folder, data, measures=measures), data, len(outcomes) - reused, outcomes)
 
 
 def _side_by_side(outcomes: Iterable[Outcome]) -> str:
@@ -317,6 +320,7 @@ def summary(result: Comparison, plan: Plan) -> dict[str, Any]:
         "failures": [asdict(failure) for failure in data.failures],
         "probes": [asdict(probe) for probe in data.probes],
         "noise": None if data.noise is None else asdict(data.noise),
+        "trade": words.document(trade.analyse(data.scenes)),
         "rows": [_row_document(scene.name, row) for scene in data.scenes for row in scene.rows],
     }
 

@@ -11,14 +11,13 @@ import numpy as np
 
 from aliascope import plan, renderers
 from aliascope.errors import InvalidInput, SpecError, near_misses
-from aliascope.model import LoadedMesh, Scene
+from aliascope.model import Scene
 from aliascope.regression.records import CellName, Draw, Judged
 from aliascope.renderers.base import Renderer, lacks
 from aliascope.scene_io import SceneFile
 from aliascope.specs import Spec, split
 
 REPLICATES = 16
-HEAVY = 20_000
 
 OWEN = "sampler=sobol,sampler.scramble=owen"
 
@@ -125,13 +124,9 @@ def draws_of(renderer: Renderer, mode: Spec, replicates: int = REPLICATES) -> tu
 
 
 def kind_of(scene: Scene) -> str:
-    """As `plan.kind_of`; but glossy mirrors, which give samples more dimensions, are no plain scene, and one of more
-    than HEAVY triangles is heavy: povray takes two seconds to read it, each time."""
+    """As `plan.kind_of`; but glossy mirrors, which give samples more dimensions, are no plain scene."""
     kind = plan.kind_of(scene)
-    if kind != "plain":
-        return kind
-    triangles = sum(len(each.triangles) for each in scene.surfaces if isinstance(each, LoadedMesh))
-    return "gloss" if scene.needs().gloss else "heavy" if triangles > HEAVY else kind
+    return "gloss" if kind in ("plain", "heavy") and scene.needs().gloss else kind
 
 
 def modes_of(renderer: str, scene: Scene, wanted: Sequence[str] = ()) -> list[Spec]:

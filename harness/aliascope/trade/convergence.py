@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from aliascope.statistics import FittedRate, fit_rate
 from aliascope.trade.records import Convergence, Efficiency, Interval
-from aliascope.trade.uncertainty import Array, Points, satterthwaite, student
+from aliascope.trade.uncertainty import Array, Points, ends
 
 _UNIT = 1 << 20
 """Samples a pixel are counted in parts of this size: adaptive modes have no whole number of them."""
@@ -63,12 +63,9 @@ def efficiency(points: Points) -> tuple[Efficiency, ...]:
     for i, row in enumerate(points.rows):
         if math.isinf(points.error[i]):
             continue
-        parts = (
-            2.0 * points.error_spread.standard_error[i],
-            2.0 * points.shared[i],
-            points.time_spread.standard_error[i],
-        )
-        freedoms = (points.error_spread.freedom[i], math.inf, points.time_spread.freedom[i])
-        value = student(-2.0 * points.error[i] - points.time[i], *satterthwaite(parts, freedoms))
-        found.append(Efficiency(row.renderer, row.mode, value))
+        figures = -2.0 * points.errors[i] - points.times[i]
+        value = -2.0 * float(points.error[i]) - float(points.time[i])
+        known = math.isfinite(points.time_spread.standard_error[i] + points.error_spread.standard_error[i])
+        low, high = ends(np.concatenate(([value], figures))) if known else (None, None)
+        found.append(Efficiency(row.renderer, row.mode, Interval(math.exp(value), low, high)))
     return tuple(sorted(found, key=lambda each: (-each.value.value, each.renderer, each.mode)))

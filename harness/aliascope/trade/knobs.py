@@ -2,7 +2,8 @@
 
 Modes are paired with the one that differs from them in this key alone, and has its baseline there: the key's default,
 or its least value where no mode has the default. A key that takes an inner spec (the pattern, the method of an adaptive
-mode) is turned as a whole, and each key of the inner spec by itself. Forms that take the same keys (POV-Ray's am1 and
+mode) is turned from name to name, and each key of an inner spec by itself, under the inner spec's name: keys of the
+same name in two of them are two knobs, with defaults of their own. Forms that take the same keys (POV-Ray's am1 and
 am2) are settings of a knob of their own, METHOD.
 """
 
@@ -28,12 +29,14 @@ _Place = tuple[str, Hashable]
 
 @dataclass(frozen=True)
 class _Entry:
-    """A mode as one of those that a knob turns into each other; `others` is what they have in common."""
+    """A mode as one of those that a knob turns into each other; `others` is what they have in common.
+
+    `default`: 2 where the setting is what the mode has by default, 1 where its inner spec has, 0 where none has."""
 
     turned: _Turned
     others: Hashable
     setting: str
-    is_default: bool
+    default: int
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,7 @@ def knobs(sections: Sequence[SceneSection], measured: Sequence[Points]) -> tuple
     """All that two modes or more differ by, by renderer, form, key and setting. Scenes under several filters are one:
     their errors are each against its own reference."""
     found: dict[_Turned, dict[_Place, dict[str, _Measured]]] = {}
-    defaults: dict[_Turned, str] = {}
+    defaults: dict[_Turned, tuple[int, str]] = {}
     for section, points in zip(sections, measured, strict=True):
         scene = section.name.removesuffix(f", {section.filter}")
         forms = _alike_forms(points.rows)
@@ -65,9 +68,10 @@ def knobs(sections: Sequence[SceneSection], measured: Sequence[Points]) -> tuple
             )
             for entry in _entries(row, forms.get((row.renderer, form_of(row)))):
                 found.setdefault(entry.turned, {}).setdefault((scene, entry.others), {})[entry.setting] = one
-                if entry.is_default:
-                    defaults[entry.turned] = entry.setting
-    return tuple(knob for turned in sorted(found) for knob in _knobs(turned, found[turned], defaults.get(turned)))
+                if entry.default:
+                    defaults[entry.turned] = max(defaults.get(entry.turned, (0, "")), (entry.default, entry.setting))
+    baselines = {turned: setting for turned, (_, setting) in defaults.items()}
+    return tuple(knob for turned in sorted(found) for knob in _knobs(turned, found[turned], baselines.get(turned)))
 
 
 def _at(spread: Spread, i: int) -> tuple[float, float]:
@@ -106,16 +110,16 @@ def _entries(row: ModeRow, alike: str | None) -> Iterator[_Entry]:
     for key, value in settings.items():
         inner = [name for name in settings if name.startswith(f"{key}.")]
         outer = key.rpartition(".")[0]
-        turned = (row.renderer, form, key)
+        turned = (row.renderer, f"{form}, {settings[outer]}" if outer else form, key)
         if inner:
             others = frozenset((name, told) for name, told in every if name != key and name not in inner)
-            yield _Entry(turned, others, _whole(row, key, value), written.isdisjoint((key, *inner)))
+            yield _Entry(turned, others, _whole(row, key, value), 2 * written.isdisjoint((key, *inner)))
         else:
-            # Of an inner spec that is left out as a whole, it is not known what its keys' own defaults are.
-            is_default = key not in written and (not outer or outer in written)
-            yield _Entry(turned, every - {(key, value)}, value, is_default)
+            # An inner spec that is left out as a whole is the mode's own default, whatever its keys' own defaults are.
+            own = key not in written
+            yield _Entry(turned, every - {(key, value)}, value, own * (1 if outer in written else 2))
     if alike:
-        yield _Entry((row.renderer, alike, METHOD), every, form, False)
+        yield _Entry((row.renderer, alike, METHOD), every, form, 0)
 
 
 def _whole(row: ModeRow, key: str, name: str) -> str:
@@ -130,7 +134,7 @@ def _knobs(turned: _Turned, groups: dict[_Place, dict[str, _Measured]], default:
     if len(settings) < 2:
         return
     baseline = default if default is not None else settings[0]
-    for setting in settings:
+    for setting in _told(settings, baseline):
         pairs: dict[str, list[tuple[_Measured, _Measured]]] = {}
         for (scene, _), group in groups.items():
             if setting != baseline and setting in group and baseline in group:
@@ -142,6 +146,16 @@ def _knobs(turned: _Turned, groups: dict[_Place, dict[str, _Measured]], default:
             [_difference(a.error, b.error, a.error_spread, b.error_spread) for a, b in own] for own in pairs.values()
         ]
         yield Knob(*turned, setting, baseline, _ratio(times), _ratio(errors), tuple(pairs), sum(map(len, times)))
+
+
+def _told(settings: Sequence[str], baseline: str) -> list[str]:
+    """Without inner specs of the name of the baseline, which their keys tell, and without variants of what is plain."""
+    names = {setting: setting.partition(":")[0] for setting in settings}
+    return [
+        setting
+        for setting, name in names.items()
+        if setting == baseline or (name != names[baseline] and (setting == name or name not in names))
+    ]
 
 
 def _order(setting: str) -> tuple[bool, float, str]:

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from aliascope.statistics import FittedRate
 from aliascope.trade.convergence import against_samples
 from aliascope.trade.records import QUANTISATION, Afford, How, Interval, Reach
-from aliascope.trade.uncertainty import Array, Points, student_draws
+from aliascope.trade.uncertainty import Array, Points, ends, quantiles, student_draws
 
 WELL_KNOWN = 2.0
 """The largest factor by which a time that is extrapolated may be off, at either end of its interval."""
@@ -66,11 +67,23 @@ def _family(points: Points, name: tuple[str, str], own: NDArray[np.intp]) -> Fam
     error = np.column_stack((points.error[own], points.errors[own]))
     sooner, better = _in_order(time, error), _in_order(error, time)
     rate = against_samples(points, own)
-    if rate is None or rate.curved or rate.interval[1] > FALLS:
+    if rate is None or rate.curved or rate.interval[1] > FALLS or rate.count < len(own):
         return Family(points, name, own, sooner, better, known, False, np.empty(0))
-    drawn = rate.exponent + student_draws(points.key, name, rate.standard_error, rate.freedom)
-    slopes = np.concatenate(([rate.exponent], np.minimum(drawn, FALLS / 2.0)))
-    return Family(points, name, own, sooner, better, known, True, slopes)
+    return Family(points, name, own, sooner, better, known, True, _slopes(points, name, own, rate))
+
+
+def _slopes(points: Points, name: tuple[str, str], own: NDArray[np.intp], rate: FittedRate) -> Array:
+    """The exponent, and what it could be: the fit to what the errors could be, with which it hangs together, and what
+    the scatter about the line adds to that."""
+    along = np.log([points.rows[i].samples_per_pixel for i in own])
+    spread = points.error_spread.standard_error[own]
+    weight = spread**-2.0 if (spread > 0.0).all() else np.ones(len(own))
+    centred = along - np.average(along, weights=weight)
+    share = weight * centred / (weight * centred**2).sum()
+    drawn = share @ (points.errors[own] - points.error[own][:, None])
+    more = rate.standard_error**2 - float((np.nan_to_num(share * spread) ** 2).sum())
+    drawn += student_draws(points.key, name, math.sqrt(max(0.0, more)), rate.freedom)
+    return np.concatenate(([rate.exponent], np.minimum(rate.exponent + drawn, FALLS / 2.0)))
 
 
 def _in_order(along: Array, across: Array) -> tuple[Array, Array]:
@@ -145,7 +158,7 @@ def _of_mode(points: Points, mode: int) -> tuple[Array, Array]:
 
 def _well_known(off: Array) -> bool:
     """Whether the logarithm of a time is known, from what it could be off by (1 + DRAWS,)."""
-    low, high = _quantiles(off)
+    low, high = quantiles(off)
     return max(-low, high) < math.log(WELL_KNOWN)
 
 
@@ -169,17 +182,3 @@ def interval(family: Family, answer: Answer) -> Interval | None:
         return None
     value = math.exp(answer.figures[0])
     return Interval(value, *ends(answer.figures)) if family.known else Interval(value, None, None)
-
-
-def ends(figures: Array) -> tuple[float | None, float | None]:
-    """Of the interval of 95 %, from logarithms (1 + DRAWS,); None at the end where the figure may not be reached."""
-    low, high = _quantiles(figures)
-    return (math.exp(low) if low < math.inf else None, math.exp(high) if high < math.inf else None)
-
-
-def _quantiles(figures: Array) -> tuple[float, float]:
-    """Of all but the first: those of 2.5 and 97.5 %, with as many of them beyond either."""
-    count = len(figures) - 1
-    beyond = round(0.025 * count)
-    drawn = np.partition(figures[1:], (beyond, count - 1 - beyond))
-    return float(drawn[beyond]), float(drawn[count - 1 - beyond])

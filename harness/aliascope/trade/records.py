@@ -101,7 +101,8 @@ class SceneTrade:
 @dataclass(frozen=True)
 class Ratio:
     """A family against `base`, over scenes: the geometric mean of the ratios scene by scene, of time at equal error and
-    of error at equal time; None where no scene has both. Below 1 is better than the base."""
+    of error at equal time, each the mean over the round errors and times that both come to; None where no scene has
+    one. Below 1 is better than the base. `scenes` are those that have a ratio."""
 
     renderer: str
     family: str
@@ -113,8 +114,8 @@ class Ratio:
 @dataclass(frozen=True)
 class Knob:
     """What one setting of one key does to time and error, all other keys being the same: the geometric mean, over
-    scenes and the other keys' values, of the ratios to the setting `baseline`. `kind` is "mode" for keys of modes, or
-    what else was turned ("measure")."""
+    scenes and the other keys' values, of the ratios to the setting `baseline`, in `pairs` pairs of modes. `kind` is
+    "mode" for keys of modes, or what else was turned ("measure")."""
 
     renderer: str
     form: str

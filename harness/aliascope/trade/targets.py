@@ -10,13 +10,16 @@ from aliascope.trade.uncertainty import Points
 MOST = 5
 """Targets of a scene's tables at most."""
 
+_ROUNDING = 1e-12
+"""Figures come as logarithms, and go back."""
+
 
 def series(low: float, high: float) -> list[float]:
-    """The numbers 1, 2, 5 x 10^k in [low, high], both above 0."""
+    """The numbers 1, 2, 5 x 10^k in [low, high], both above 0, but for roundings."""
     found = []
     for power in range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1):
         found += [float(f"{digit}e{power}") for digit in (1, 2, 5)]
-    return [value for value in found if low <= value <= high]
+    return [value for value in found if low * (1.0 - _ROUNDING) <= value <= high * (1.0 + _ROUNDING)]
 
 
 def errors(points: Points) -> list[float]:
@@ -42,7 +45,7 @@ def _chosen(starts: Sequence[float], ends: Sequence[float]) -> list[float]:
     if not ordered or top <= 0.0:
         return []
     low = ordered[min(1, len(ordered) - 1)]
-    return [value for value in series(low, max(low, top)) if value < top]
+    return [value for value in series(low, max(low, top)) if value < top * (1.0 - _ROUNDING)]
 
 
 def few(found: Sequence[float]) -> list[int]:

@@ -162,20 +162,24 @@ _LEAST = 1e-18
 """Taken for the variance of draws that do not differ at all: those of roundings."""
 
 
+_DIFFER = 0.8
+"""The variance of the logarithms of true variances that is believed in before they are seen: factors of 2.5."""
+_BELIEF = 12
+"""As of so many modes."""
+
+
 def _alikeness(groups: Sequence[tuple[Array, Array]]) -> float:
     """How alike the true variances within groups are, as degrees of freedom of the prior: infinite where they do not
-    differ by more than their estimates do anyway; 4 at the least, since of few it is not known."""
+    differ by more than their estimates do anyway. Few modes say little of that, so it starts from a belief."""
     from scipy.special import polygamma
 
-    beyond, count = 0.0, 0
+    beyond, count = _DIFFER * _BELIEF, _BELIEF
     for variances, free in groups:
         if len(variances) > 1:
             moved = np.log(np.maximum(variances, _LEAST)) - _log_bias(free)
             beyond += float(((moved - moved.mean()) ** 2).sum() - (len(free) - 1) * polygamma(1, free / 2.0).mean())
             count += len(free) - 1
-    if count == 0 or beyond <= 0.0:
-        return math.inf
-    return max(4.0, 2.0 * _trigamma_inverse(beyond / count))
+    return max(2.0, 2.0 * trigamma_inverse(beyond / count)) if beyond > 0.0 else math.inf
 
 
 def _common(variances: Array, free: Array, alike: float) -> tuple[float, float]:
@@ -196,7 +200,7 @@ def _log_bias(free: Array) -> Array:
     return found
 
 
-def _trigamma_inverse(value: float) -> float:
+def trigamma_inverse(value: float) -> float:
     """x with trigamma(x) = value > 0, by Newton's method on 1 / trigamma (Smyth 2004, appendix)."""
     from scipy.special import polygamma
 
@@ -267,13 +271,18 @@ def _of_reference(row: ModeRow) -> float:
 
 
 def student(value: float, standard_error: float, freedom: float) -> Interval:
-    """The exponential of a value, and of the ends of its interval by Student's t; ends None where the error is NaN."""
-    if math.isnan(standard_error):
-        return Interval(math.exp(value), None, None)
+    """The exponential of a value, and of the ends of its interval by Student's t; ends None where the error is NaN, or
+    so large that they say nothing."""
     from scipy.special import stdtrit
 
     half = float(stdtrit(freedom, 0.975)) * standard_error
+    if not half < LARGEST:
+        return Interval(math.exp(value), None, None)
     return Interval(math.exp(value), math.exp(value - half), math.exp(value + half))
+
+
+LARGEST = 100.0
+"""Half of an interval of a logarithm that is one; beyond lie ends that no float has."""
 
 
 def satterthwaite(errors: Sequence[float], freedoms: Sequence[float]) -> tuple[float, float]:
@@ -283,4 +292,19 @@ def satterthwaite(errors: Sequence[float], freedoms: Sequence[float]) -> tuple[f
     total = math.fsum(squares)
     if math.isnan(total) or total == 0.0:
         return math.sqrt(total), math.inf
-    return math.sqrt(total), total * total / math.fsum(s * s / f for s, f in zip(squares, freedoms, strict=True))
+    shares = math.fsum(square * square / freedom for square, freedom in zip(squares, freedoms, strict=True))
+    return math.sqrt(total), total * total / shares if shares else math.inf
+
+
+def ends(figures: Array) -> tuple[float | None, float | None]:
+    """Of the interval of 95 %, from logarithms (1 + DRAWS,); None at the end where the figure may not be reached."""
+    low, high = quantiles(figures)
+    return (math.exp(low) if low < math.inf else None, math.exp(high) if high < math.inf else None)
+
+
+def quantiles(figures: Array) -> tuple[float, float]:
+    """Of all but the first: those of 2.5 and 97.5 %, with as many of them beyond either."""
+    count = len(figures) - 1
+    beyond = round(0.025 * count)
+    drawn = np.partition(figures[1:], (beyond, count - 1 - beyond))
+    return float(drawn[beyond]), float(drawn[count - 1 - beyond])

@@ -1,0 +1,3 @@
+// What a page shows, as plain JSON.
+
+const documentData = JSON.parse(document.getElementById("data").textContent);
