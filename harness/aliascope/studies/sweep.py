@@ -48,7 +48,7 @@ REPORT_SECONDS, REPORT_SECONDS_A_VALUE = 3.0, 6e-6
 Python takes to begin is in the first."""
 FEWEST_ROWS, MOST_ROWS = 6, 40
 """Settings in a report, as there is time; all are in --json."""
-LARGEST_REPORT_SHARE = 0.25
+LARGEST_REPORT_SHARE = 0.3
 """Of the budget."""
 EXHAUSTIVE = 7 * 24 * 3600.0
 """Seconds that the whole grid may take, where no budget is given."""
@@ -129,11 +129,11 @@ class Budget:
     def keep_for(self, size: tuple[int, int]) -> None:
         """Keeps what a report of pictures of this size takes, on the machine as it is now."""
         wanted = REPORT_SECONDS + REPORT_SECONDS_A_VALUE * FEWEST_ROWS * size[0] * size[1]
-        self.kept = min(1.25 * slowness() * wanted, LARGEST_REPORT_SHARE * self.seconds)
+        self.kept = min(1.6 * slowness() * wanted, LARGEST_REPORT_SHARE * self.seconds)
 
     def rows_of(self, size: tuple[int, int]) -> int:
         """How many settings there is time for in the report."""
-        seconds = (self.left() + self.kept) / (1.25 * slowness()) - REPORT_SECONDS
+        seconds = (self.left() + self.kept) / (1.6 * slowness()) - REPORT_SECONDS
         return min(max(FEWEST_ROWS, int(seconds / (REPORT_SECONDS_A_VALUE * size[0] * size[1]))), MOST_ROWS)
 
 
