@@ -108,19 +108,19 @@ def read_header(path: Path) -> dict[str, str]:
         }
 
 
+def decode_srgb(encoded: Pixels) -> Pixels:
+    """Linear values of sRGB ones, in float32; IEC 61966-2-1:1999, negative ones by the curve's mirror image."""
+    size = np.abs(encoded.astype(np.float64))
+    linear = np.where(size <= 0.04045, size / 12.92, ((size + 0.055) / 1.055) ** 2.4)
+    return np.copysign(linear, encoded).astype(np.float32)
+
+
 def read_rows(image: oiio.ImageInput, path: Path, first: int, count: int) -> Pixels:
     """Some rows of a picture that is `opened`, as `read_image` has them; `path` is for errors. Raises InvalidInput."""
     pixels = image.read_scanlines(first, first + count, 0, 0, image.spec().nchannels, oiio.FLOAT)
     if pixels is None:
         raise InvalidInput(f"{path}: the picture is broken: {_first_line(image.geterror())}")
     return np.asarray(pixels, dtype=np.float32)
-
-
-def decode_srgb(encoded: Pixels) -> Pixels:
-    """Linear values of sRGB ones, in float32; IEC 61966-2-1:1999, negative ones by the curve's mirror image."""
-    size = np.abs(encoded.astype(np.float64))
-    linear = np.where(size <= 0.04045, size / 12.92, ((size + 0.055) / 1.055) ** 2.4)
-    return np.copysign(linear, encoded).astype(np.float32)
 
 
 _standard_error = threading.Lock()

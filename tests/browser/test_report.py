@@ -122,14 +122,14 @@ def test_what_cannot_be_told_from_the_best_is_bold_too(open_page: Open, data: Re
 
 def test_a_hostile_name_is_text(open_page: Open) -> None:
     page = open_page()
-    page.get_by_role("tab").nth(2).click()
+    page.locator("#scenes").get_by_role("tab").nth(2).click()
     assert page.locator(".scene:not([hidden]) h3").first.inner_text() == HOSTILE
     assert page.evaluate("window.hacked") is None
     assert page.locator("img").count() == 0
     assert fragment(page)["scene"] == HOSTILE
     page.reload()
     wait_ready(page)
-    expect(page.get_by_role("tab").nth(2)).to_have_attribute("aria-selected", "true")
+    expect(page.locator("#scenes").get_by_role("tab").nth(2)).to_have_attribute("aria-selected", "true")
     assert page.evaluate("window.hacked") is None
 
 
@@ -280,7 +280,7 @@ def test_the_address_restores_what_was_seen(open_page: Open) -> None:
 @pytest.mark.parametrize("bad", ["#scene=nowhere&a=x&zoom=-3&x=1e99&metric=%00", "#=&&==", "#scene=%E0%A4%A"])
 def test_an_address_that_makes_no_sense_shows_the_start(open_page: Open, bad: str) -> None:
     page = open_page(bad)
-    expect(page.get_by_role("tab").nth(0)).to_have_attribute("aria-selected", "true")
+    expect(page.locator("#scenes").get_by_role("tab").nth(0)).to_have_attribute("aria-selected", "true")
     assert page.locator(".pane canvas").first.is_visible()
 
 
@@ -390,7 +390,7 @@ def test_a_scene_counts_once(open_page: Open) -> None:
 
 def test_the_legend_is_that_of_the_plot(open_page: Open) -> None:
     page = open_page()
-    listed = {text.strip() for text in page.locator("#legend button").all_inner_texts()}
+    listed = {text.strip() for text in page.locator("#legend li:not([hidden]) button").all_inner_texts()}
     assert listed == {"uniform halton", "am2", "msaa"}  # "uniform halton mitchell" has a plot of its own
 
 
@@ -400,7 +400,7 @@ def test_hidden_families_and_opened_tables_are_in_the_address(open_page: Open) -
     page.locator("#pooled summary").click()
     assert fragment(page)["opened"] == "pooled"
     again = open_page("#" + urlsplit(page.url).fragment)
-    assert again.locator("#legend button[aria-pressed=false]").all_inner_texts() == [" am2"]
+    assert again.locator("#legend li button[aria-pressed=false]").all_inner_texts() == [" am2"]
     assert again.locator("#overview-plot .point.gone").count() == 1
     assert again.locator("#pooled table").is_visible()
     again.locator("#legend button", has_text="am2").click()
@@ -537,7 +537,7 @@ def test_a_narrow_table_is_for_fingers(open_page: Open) -> None:
 @pytest.mark.parametrize("scene", [0, 2])
 def test_a_narrow_page_does_not_scroll_sideways(open_page: Open, scene: int) -> None:
     page = open_page(width=380)
-    page.get_by_role("tab").nth(scene).click()
+    page.locator("#scenes").get_by_role("tab").nth(scene).click()
     for details in page.locator("details").all():
         details.evaluate("node => node.open = true")
     assert page.evaluate("document.documentElement.scrollWidth") <= 380

@@ -93,12 +93,12 @@ def main(glb: str, out: str, width: int, height: int, sampler: str, samples: int
     parts += [(direct, {**lit, "light": light}) for light in lights_of(scene)]
     total, seconds, taken = np.zeros((height, width, 3)), 0.0, samples
     for number, (integrator, contents) in enumerate(parts):
-        pattern = mi.load_dict({"type": sampler, "sample_count": samples, "seed": seed})
+        pattern = mi.load_dict({"type": sampler, "sample_count": samples, "seed": seed % 2**32})
         taken = pattern.sample_count()
         view = {**sensor, "film": film, "sampler": pattern}
         built = mi.load_dict({"type": "scene", "integrator": integrator, "sensor": view, **contents})
         begun = time.process_time()
-        picture = np.array(mi.render(built, seed=seed, spp=taken), dtype=np.float64)
+        picture = np.array(mi.render(built, seed=seed % 2**32, spp=taken), dtype=np.float64)
         seconds += time.process_time() - begun
         total += picture[:, :, :3]
         if number == 0:

@@ -20,6 +20,7 @@ from aliascope.model import LARGEST_AREA, LARGEST_SIDE
 from aliascope.records import Pixels
 from aliascope.renderers.base import Request, lacks
 from aliascope.scene_io import SceneFile
+from aliascope.specs import Spec, join, split
 from aliascope.studies import agree_effects, agree_known, selection
 from aliascope.studies.agree_effects import FINE, Facts
 from aliascope.studies.agree_judge import Judgement, Side, judge
@@ -118,9 +119,25 @@ class _Sought:
 
 
 def mode_of(renderer: str, samples: int) -> str:
-    """The mode that goes to the integral, of --samples."""
-    name, factor = CONVERGING[renderer]
-    return f"{name}:n={factor * samples},sampler={SAMPLER}"
+    """The mode that goes to the integral, of --samples; of a renderer that is none of ours, that of its probe."""
+    if renderer in CONVERGING:
+        name, factor = CONVERGING[renderer]
+        return f"{name}:n={factor * samples},sampler={SAMPLER}"
+    found = renderers.find(renderer)
+    name, pairs = split(found.probe_mode)
+    count = _count_of(renderers.mode_of(found, found.probe_mode))
+    if count is None:
+        raise InvalidInput(f"{renderer}: its probe's mode, {found.probe_mode}, has no count of samples to converge by")
+    return join(name, {**pairs, count: str(FASTER * samples)})
+
+
+def _count_of(mode: Spec) -> str | None:
+    """The key that is the samples of a pixel."""
+    return next((key.name for key in mode.form.keys if key.is_count), None)
+
+
+def _factor(renderer: str) -> int:
+    return CONVERGING[renderer][1] if renderer in CONVERGING else FASTER
 
 
 def answer(asked: Asked, tell: Tell) -> Answer:
@@ -172,13 +189,13 @@ def verdict(judgement: Judgement, known: Sequence[Known]) -> str:
 
 def _chosen(asked: Asked) -> tuple[tuple[str, ...], dict[str, str]]:
     """The renderers that take part, in the order of their list, and those that are not there."""
-    wanted = plan.matching(asked.renderers, CONVERGING, "renderer") if asked.renderers else list(CONVERGING)
+    named = renderers.named(asked.renderers)
+    known = [*CONVERGING, *(name for name in named if name in renderers.RENDERERS and name not in CONVERGING)]
+    wanted = plan.matching(named, known, "renderer") if named else list(CONVERGING)
     if len(wanted) < 2:
         raise InvalidInput(f"{wanted[0]} alone: two renderers or more can agree; name another with -r, or none at all")
     names, skipped = [], {}
-    for name in CONVERGING:
-        if name not in wanted:
-            continue
+    for name in wanted:
         try:
             renderers.find(name).versions()
         except NotAvailable as error:
@@ -213,7 +230,7 @@ def _rendered(
     files = [file for file in sought.files if sought.pairs(file)]
     begun: dict[tuple[str, str], list[Task[tuple[Pixels, float]]]] = {}
     # POV-Ray's frames wait more than they work: these first, the others beside them.
-    for name in sorted(sought.names, key=lambda name: CONVERGING[name][1]):
+    for name in sorted(sought.names, key=_factor):
         for file in files:
             if name in sought.able(file):
                 seeds = seeds_of(name, asked)
@@ -251,7 +268,7 @@ def _rendered(
 
 def seeds_of(renderer: str, asked: Asked) -> range:
     """No two renderers share one, and no other command has them."""
-    first = FIRST_SEED + (asked.seed << 24) + APART * list(CONVERGING).index(renderer)
+    first = FIRST_SEED + (asked.seed << 24) + APART * list(renderers.RENDERERS).index(renderer)
     return range(first, first + asked.replicates)
 
 
@@ -262,8 +279,10 @@ def side_of(
     pictures = np.array([pixels for pixels, _ in made], dtype=np.float64)
     if not np.isfinite(pictures).all():
         raise InvalidInput(f"{file.name}: {renderer} drew values that are no numbers")
-    bound = FLOAT32 * np.abs(pictures).max(axis=0) + 0.5 * made[0][1]
+    spec = renderers.mode_of(renderers.find(renderer), mode)
+    samples = spec.integer(_count_of(spec) or "n")
+    rounded = 1 if renderer in renderers.BUILT_IN else samples  # others may sum in float32, as Mitsuba does
+    bound = rounded * FLOAT32 * np.abs(pictures).max(axis=0) + 0.5 * made[0][1]
     if edges is not None:
         bound = bound + agree_known.displaced(renderer, file.scene) * edges
-    samples = renderers.mode_of(renderers.find(renderer), mode).integer("n")
     return Side(renderer, pictures, samples, bound)

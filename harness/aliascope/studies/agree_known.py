@@ -23,7 +23,11 @@ BOUNDS = (
         f"OSMesa's edges of triangles lie within {SNAPPED:g} pixel in the mean of passes: as much times the total "
         "variation across outlines within a pixel, that is, their contrast times their length.",
     ),
-    ("float32", "Pictures of 24 bits: 6.0e-8 of the value."),
+    (
+        "float32",
+        "Pictures of 24 bits: 6.0e-8 of the value; for each sample in renderers that are not the project's own, which "
+        "may sum in float32.",
+    ),
 )
 
 
