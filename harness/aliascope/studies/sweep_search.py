@@ -218,7 +218,8 @@ class Search:
             if not new:
                 return
             new.sort(key=lambda c: (self.expected(c), c.renderer, c.mode))
-            self._measure(new[: self._batch], look, share)
+            # From over the whole range: should the time run out, no part of the front has been left as it was.
+            self._measure(new[:: max(1, len(new) // self._batch)][: self._batch], look, share)
 
     def _pointless(self, candidate: Candidate) -> bool:
         """Whether it takes so much longer than one of its renderer that is good enough that nobody would want it."""
