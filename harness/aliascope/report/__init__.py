@@ -24,9 +24,9 @@ from aliascope.report.plots import Plot, colours, plot_csv, plot_svg, plots_of, 
 from aliascope.report.signal_plots import filters_svg, spectrum_svg
 from aliascope.report.spectra import SceneSpectra, spectra_csv, spectra_of
 from aliascope.report.tables import results_csv
-from aliascope.report.trade import TITLES, trade_csv
+from aliascope.report.trade import TITLES, trade_csv, trade_of
 from aliascope.report.verdicts import verdicts_html
-from aliascope.trade import Trade, analyse
+from aliascope.trade import Trade
 from aliascope.trade.records import Knob
 
 SCRIPTS = (
@@ -59,7 +59,7 @@ def write_report(folder: Path, data: ReportData, run: Run | None = None, measure
     Returns the path of report.html. Raises NotWritable, and InvalidInput where a picture has not its reference's size.
     """
     spectra, filters = spectra_of(data), filter_responses()
-    trade = analyse(data.scenes)
+    trade = trade_of(data)
     trade = replace(trade, knobs=(*trade.knobs, *measures))
     text = _page(data, spectra, filters, run, trade)
     palette = colours([row.renderer for scene in data.scenes for row in scene.rows])
@@ -79,7 +79,7 @@ def write_report(folder: Path, data: ReportData, run: Run | None = None, measure
 
 def page(data: ReportData, run: Run | None = None) -> str:
     """The text of report.html."""
-    return _page(data, spectra_of(data), filter_responses(), run, analyse(data.scenes))
+    return _page(data, spectra_of(data), filter_responses(), run, trade_of(data))
 
 
 def _page(

@@ -29,8 +29,9 @@ function rangeText(low, high) {
 const trade = documentData.trade;
 const tradeOf = (scene) => trade.scenes[scene.name] ?? null;
 
-/** How probable it is that a row of a scene is on the front; null where that is not known, as over several scenes. */
+/** How probable it is that a row is on the front, of its scene or of the pooled ones; null where that is not known. */
 const chanceOf = (rows, row) => {
+  if (rows === documentData.pooled) return trade.front[identity(row)] ?? null;
   const scene = documentData.scenes.find((each) => each.rows === rows);
   return (scene && tradeOf(scene)?.front[identity(row)]) ?? null;
 };

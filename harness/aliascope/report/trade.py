@@ -7,10 +7,17 @@ import io
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from aliascope.report.pool import rounded
-from aliascope.trade.records import QUANTISATION, Afford, Convergence, Interval, Knob, Reach, SceneTrade, Trade
+from aliascope.records import ReportData
+from aliascope.report.pool import in_common, rounded
+from aliascope.trade import analyse
+from aliascope.trade.records import QUANTISATION, Afford, Convergence, Interval, Knob, OnFront, Reach, SceneTrade, Trade
 
 Json = Any
+
+
+def trade_of(data: ReportData) -> Trade:
+    """The analysis of a report's rows; the front over scenes is of those that the report pools."""
+    return analyse(data.scenes, together=[scene.name for scene in in_common(data.scenes)])
 
 
 def trade_json(trade: Trade) -> dict[str, Json]:
@@ -21,12 +28,17 @@ def trade_json(trade: Trade) -> dict[str, Json]:
         "scenes": {scene.scene: _scene(scene) for scene in trade.scenes},
         "ratios": [[r.renderer, r.family, _figures(r.time), _figures(r.error), list(r.scenes)] for r in trade.ratios],
         "knobs": [_knob(knob) for knob in trade.knobs],
+        "front": _front(trade.front),
     }
+
+
+def _front(modes: Iterable[OnFront]) -> dict[str, float]:
+    return {f"{one.renderer} {one.mode}": round(one.probability, 3) for one in modes}
 
 
 def _scene(scene: SceneTrade) -> dict[str, Json]:
     return {
-        "front": {f"{one.renderer} {one.mode}": round(one.probability, 3) for one in scene.front},
+        "front": _front(scene.front),
         "reach": _by_target(scene.equal_error, lambda one: one.error, _reach),
         "afford": _by_target(scene.equal_time, lambda one: one.seconds, _afford),
         "quantisation": [_reach(one) for one in scene.quantisation],

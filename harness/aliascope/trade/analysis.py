@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from aliascope.records import SceneSection
 from aliascope.trade import targets
 from aliascope.trade.convergence import convergence, efficiency
-from aliascope.trade.front import front
+from aliascope.trade.front import front, front_over
 from aliascope.trade.knobs import knobs
 from aliascope.trade.ratios import Compared, base_family, ratios
 from aliascope.trade.reach import afford, at_time, families, reach, to_error
@@ -16,12 +16,12 @@ from aliascope.trade.records import QUANTISATION, SceneTrade, Trade
 from aliascope.trade.uncertainty import Points, points
 
 
-def analyse(scenes: Sequence[SceneSection], seed: int = 0) -> Trade:
+def analyse(scenes: Sequence[SceneSection], seed: int = 0, together: Sequence[str] = ()) -> Trade:
     """The trade of speed for accuracy from the rows of a comparison. The same rows and seed give the same figures,
     whatever the order of rows.
 
     Modes without an RMSE or a time above 0 are left out; a scene without any other stays, empty. Ratios are over the
-    scenes under the filter of the first.
+    scenes under the filter of the first. The front over several scenes is over those named in `together`.
     """
     measured = points(scenes, seed)
     found = [_scene(own) for own in measured]
@@ -29,7 +29,8 @@ def analyse(scenes: Sequence[SceneSection], seed: int = 0) -> Trade:
     pooled = [each for each, scene in zip(found, scenes, strict=True) if scene.filter == first]
     base = base_family([each.on_front for each in pooled])
     told = ratios([each.compared for each in pooled], base) if base else ()
-    return Trade(tuple(each.trade for each in found), told, base, knobs(scenes, measured))
+    over_all = front_over([own for own in measured if own.scene in together])
+    return Trade(tuple(each.trade for each in found), told, base, knobs(scenes, measured), over_all)
 
 
 @dataclass(frozen=True)

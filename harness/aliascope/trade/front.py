@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,3 +34,18 @@ def front(points: Points) -> tuple[OnFront, ...]:
         OnFront(points.rows[i].renderer, points.rows[i].mode, float(probability[i]))
         for i in np.lexsort((points.time, -probability))
     )
+
+
+def front_over(scenes: Sequence[Points]) -> tuple[OnFront, ...]:
+    """The same over scenes together, of the modes that all of them have: by the mean of a mode's times and the root of
+    the mean of its squared errors, each scene weighing the same."""
+    modes = [{(row.renderer, row.mode): i for i, row in enumerate(own.rows)} for own in scenes]
+    common = [mode for mode in (modes[0] if modes else ()) if all(mode in each for each in modes)]
+    if not common:
+        return ()
+    picked = [[each[mode] for mode in common] for each in modes]
+    times = np.mean([np.exp(own.times[i]) for own, i in zip(scenes, picked, strict=True)], axis=0)
+    squares = np.mean([np.exp(2.0 * own.errors[i]) for own, i in zip(scenes, picked, strict=True)], axis=0)
+    probability = undominated(times, squares).mean(axis=1)
+    order = np.lexsort((times.mean(axis=1), -probability))
+    return tuple(OnFront(common[i][0], common[i][1], float(probability[i])) for i in order)

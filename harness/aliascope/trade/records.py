@@ -131,9 +131,10 @@ class Knob:
 
 @dataclass(frozen=True)
 class Trade:
-    """All scenes. `base` is the renderer and family that ratios are to."""
+    """All scenes. `base` is the renderer and family that ratios are to. `front` is that of scenes together."""
 
     scenes: tuple[SceneTrade, ...]
     ratios: tuple[Ratio, ...]
     base: tuple[str, str] | None
     knobs: tuple[Knob, ...]
+    front: tuple[OnFront, ...] = ()
