@@ -13,7 +13,6 @@ import sys
 import zlib
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -21,6 +20,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
+from page_data import shown
 
 from aliascope import metrics
 from aliascope.errors import InvalidInput, NotAvailable, NotWritable
@@ -279,14 +279,6 @@ def test_joined_rings_keep_the_power(size: tuple[int, int]) -> None:
     assert (np.diff(rings.frequencies) > 0).all()
     if size == (96, 128):
         assert np.array_equal(rings.power, spectrum.power[1:])  # few enough: as they are
-
-
-def shown(text: str) -> dict[str, Any]:
-    """What the scripts of a page read."""
-    found = re.search(r'id="data">([^<]*)</script>', text)
-    assert found is not None
-    values: dict[str, Any] = json.loads(zlib.decompress(from_text(found[1])))
-    return values
 
 
 def test_a_pixel_has_no_spectrum() -> None:
