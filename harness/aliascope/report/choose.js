@@ -251,7 +251,7 @@ function legend(host, plots) {
   host.append(h("p", { class: "keyline" }, h("span", { class: "front-sample", "aria-hidden": "true" }),
     "Pareto front: nothing is both cheaper and better"),
   h("p", { class: "keyline" }, s("svg", { viewBox: "-9 -9 18 18", width: 18, height: 18, "aria-hidden": "true" }, s("circle", { class: "chance", r: 7.5 })),
-    "Ring, the stronger the more probable: on the front of this scene"));
+    "Ring, the stronger the more probable: on the front"));
 }
 
 /** Hides or shows all families of a renderer. */
