@@ -68,6 +68,7 @@ __attribute__((destructor)) static void tell(void) { fputs("aliascope: CPU secon
 
 #define EXPORT __attribute__((visibility("default")))
 
+/* NOLINTBEGIN(readability-inconsistent-declaration-parameter-name): the GNU C library keeps its names to itself */
 EXPORT int clock_gettime(clockid_t clock, struct timespec *now) {
   if (!next_clock_gettime) next(&next_clock_gettime, "clock_gettime", NULL); /* others have constructors too */
   const int status = next_clock_gettime(clock, now);
@@ -85,7 +86,6 @@ EXPORT int clock_nanosleep(clockid_t clock, int flags, const struct timespec *wa
   return next_clock_nanosleep(clock, flags, &chosen, left);
 }
 
-/* NOLINTBEGIN(readability-inconsistent-declaration-parameter-name): the GNU C library keeps its names to itself */
 EXPORT int pthread_cond_timedwait(pthread_cond_t *condition, pthread_mutex_t *mutex, const struct timespec *deadline) {
   struct timespec chosen;
   if (!sooner(CLOCK_MONOTONIC, deadline, &chosen)) sooner(CLOCK_REALTIME, deadline, &chosen);
