@@ -28,28 +28,23 @@ ROBUST = Key(
 )
 FILM = Key("film", "choice", tracer.FILMS[0], "in what samples are added up", choices=tracer.FILMS)
 
+
+def _sampler(text: str) -> Key:
+    canonical, settings = samplers.canonical, samplers.settings
+    return Key("sampler", "spec", "sobol:scramble=owen", text, inner=canonical, inner_settings=settings, named=True)
+
+
+def _filter(text: str) -> Key:
+    return Key("filter", "spec", "box", text, inner=filters.canonical, inner_settings=filters.settings)
+
+
 UNIFORM = Form(
     "uniform",
     "the same number of samples in every pixel",
     (
         Key("n", "integer", 16, "samples a pixel", 1, 1 << 24, is_count=True),
-        Key(
-            "sampler",
-            "spec",
-            "sobol:scramble=owen",
-            "the pattern of a pixel",
-            inner=samplers.canonical,
-            inner_settings=samplers.settings,
-            named=True,
-        ),
-        Key(
-            "filter",
-            "spec",
-            "box",
-            "the reconstruction filter",
-            inner=filters.canonical,
-            inner_settings=filters.settings,
-        ),
+        _sampler("the pattern of a pixel"),
+        _filter("the reconstruction filter"),
         DIMENSIONS,
         PACKET,
         ROBUST,
@@ -82,23 +77,8 @@ ADAPTIVE = Form(
             inner_settings=estimate.settings,
             named=True,
         ),
-        Key(
-            "sampler",
-            "spec",
-            "sobol:scramble=owen",
-            "the sequence of a pixel",
-            inner=samplers.canonical,
-            inner_settings=samplers.settings,
-            named=True,
-        ),
-        Key(
-            "filter",
-            "spec",
-            "box",
-            "the reconstruction filter: box",
-            inner=filters.canonical,
-            inner_settings=filters.settings,
-        ),
+        _sampler("the sequence of a pixel"),
+        _filter("the reconstruction filter: box"),
         DIMENSIONS,
         PACKET,
         ROBUST,
