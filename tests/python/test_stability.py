@@ -1,0 +1,50 @@
+"""The map of what breaks at which extreme: that its probes find what is there, and that quick levels keep bounds."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from aliascope.errors import Unsupported
+from aliascope.stability.records import Probe, Reading
+from aliascope.stability.running import all_probes, run
+
+
+def made(measure, levels=(1.0, 10.0, 100.0)) -> Probe:
+    return Probe("c", "statistic", "mean", "relative", "nothing", 1e-3, 0.1, levels, measure)
+
+
+def test_a_probe_breaks_where_its_bound_is_passed() -> None:
+    cell = run(made(lambda at: at / 500.0))
+    assert [each.error for each in cell.readings] == [0.002, 0.02, 0.2]
+    assert cell.breaks_at == 100.0
+    assert cell.refused_from is None
+    assert cell.digits_lost == pytest.approx(math.log10(200.0))
+    assert cell.lost(0.0) == cell.lost(1e-4) == 0.0
+
+
+def test_refusals_and_results_that_are_none() -> None:
+    def measure(at: float) -> float:
+        if at > 10.0:
+            raise Unsupported("no more than 10")
+        return math.nan if at > 1.0 else 0.0
+
+    cell = run(made(measure))
+    assert [(each.error, each.refused) for each in cell.readings] == [
+        (0.0, ""),
+        (math.inf, ""),
+        (None, "no more than 10"),
+    ]
+    assert (cell.breaks_at, cell.refused_from, cell.digits_lost) == (10.0, 100.0, math.inf)
+    assert run(made(measure), [1000.0]).digits_lost is None
+    assert run(made(measure), [1000.0]).readings[0] == Reading(1000.0, None, "no more than 10", pytest.approx(0, abs=1))
+
+
+QUICK = [pytest.param(probe, id=name) for name, probe in all_probes().items() if probe.quick]
+
+
+@pytest.mark.parametrize("probe", QUICK)
+def test_quick_levels_keep_their_bounds(probe: Probe) -> None:
+    cell = run(probe, probe.quick)
+    assert cell.breaks_at is None, cell.readings
