@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -42,7 +43,10 @@ def test_refusals_and_results_that_are_none() -> None:
 
 
 def test_both_ways_from_the_mildest_level() -> None:
-    assert run(made(lambda at: max(at, 1.0 / at) / 500.0, (1.0, 0.1, 10.0, 0.01, 100.0, 0.001))).breaks == (0.01, 100.0)
+    both = replace(made(lambda at: max(at, 1.0 / at) / 500.0, (0.001, 0.01, 0.1, 1.0, 10.0, 100.0)), extreme="scaled")
+    cell = run(both)
+    assert [each.at for each in cell.readings] == [1.0, 0.1, 10.0, 0.01, 100.0, 0.001]
+    assert (cell.breaks, cell.breaks_at) == ((0.01, 100.0), 0.01)
     assert run(made(lambda at: at, (1.0, 0.1, 10.0))).breaks == (1.0,)
     assert run(made(lambda at: 0.0)).breaks == ()
 

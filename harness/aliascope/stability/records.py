@@ -16,12 +16,14 @@ Group = Literal["geometry", "radiance", "counts", "statistics", "points", "metri
 
 @dataclass(frozen=True)
 class Extreme:
-    """One way of going too far, a column of the map. `axis` says what its levels are, with their unit."""
+    """One way of going too far, a column of the map. `axis` says what its levels are, with their unit; `both_ways`:
+    1 is the usual, and what is far from it on either side is extreme."""
 
     name: str
     group: Group
     title: str
     axis: str
+    both_ways: bool = False
 
 
 @dataclass(frozen=True)

@@ -78,10 +78,17 @@ def run_named(module: str, name: str, levels: Sequence[float]) -> Cell:
     return run(probes_of(module)[name], levels)
 
 
+def from_mild(probe: Probe, levels: Iterable[float]) -> tuple[float, ...]:
+    """Levels of a probe from mild to extreme: as they are, or, where both ways from 1 are extreme, from there."""
+    if not EXTREMES[probe.extreme].both_ways:
+        return tuple(levels)
+    return tuple(sorted(levels, key=lambda at: abs(math.log(at)) if at > 0.0 else math.inf))
+
+
 def run(probe: Probe, levels: Iterable[float] | None = None) -> Cell:
     """Measures at the probe's levels, or at those that are given. A component that is not there is not asked again."""
     readings: list[Reading] = []
-    for at in probe.levels if levels is None else levels:
+    for at in from_mild(probe, probe.levels if levels is None else levels):
         try:
             readings.append(_reading(probe, at))
         except NotAvailable as error:

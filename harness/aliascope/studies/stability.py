@@ -163,7 +163,7 @@ def _chosen(asked: Asked, listed: _Listed) -> list[_Work]:
         if not listed.lost and not listed.absent and not any(fnmatchcase(name, pattern) for name in names):
             raise InvalidInput(f'"{pattern}" matches no component, extreme or component/extreme{_near(pattern, names)}')
     work = [
-        _Work(module, probe, probe.quick if asked.quick else probe.levels)
+        _Work(module, probe, running.from_mild(probe, probe.quick if asked.quick else probe.levels))
         for module, probe in listed.work
         if _matches(asked, probe) and (probe.quick or not asked.quick)
     ]

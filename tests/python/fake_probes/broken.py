@@ -13,5 +13,5 @@ def probes() -> list[Probe]:
         probe("ours", lambda at: at * 1e-13, note="It is | meant to."),
         probe("povray", lambda at: at * 1e-13, kind="renderer", extreme="far", theirs=True),
         probe("none", lambda at: math.nan if at > 1.0 else 0.0),
-        probe("both", lambda at: 1e-13 * max(at, 1.0 / at), extreme="scaled", levels=(1.0, 1e-6, 1e6, 1e-9)),
+        probe("both", lambda at: 1e-13 * max(at, 1.0 / at), extreme="scaled", levels=(1e-9, 1e-6, 1.0, 1e6)),
     ]
