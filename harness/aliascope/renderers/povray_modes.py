@@ -9,7 +9,7 @@ import numpy as np
 from aliascope.errors import Unsupported
 from aliascope.model import AreaLight, DiscLight, LoadedMesh, Scene, SphereLight
 from aliascope.native import samplers
-from aliascope.renderers.base import DIMENSIONS
+from aliascope.renderers.base import DIMENSIONS, RECENTRE
 from aliascope.specs import Form, Key, Spec
 
 FRAME_SECONDS = 0.01
@@ -77,6 +77,7 @@ ACCUMULATE = Form(
         Key("n", "integer", 16, "frames, the samples a pixel", 1, 4096, is_count=True),
         Key("sampler", "spec", "halton", "the pattern", inner=_sampler, inner_settings=samplers.settings, named=True),
         DIMENSIONS,
+        RECENTRE,
     ),
 )
 
@@ -96,25 +97,30 @@ FOCAL_BLUR = Form(
             choices=("on", "off"),
         ),
         *_AREA_LIGHTS,
+        RECENTRE,
     ),
 )
 
 FORMS = (
-    Form("none", "one ray through the centre of each pixel (-A)", _AREA_LIGHTS),
+    Form("none", "one ray through the centre of each pixel (-A)", (*_AREA_LIGHTS, RECENTRE)),
     Form(
         "am1",
         "a ray a pixel, compared with the left and the upper neighbour; where they differ, depth x depth more (+AM1)",
-        (_GRID_SIDE, _THRESHOLD, _JITTER, *_AREA_LIGHTS),
+        (_GRID_SIDE, _THRESHOLD, _JITTER, *_AREA_LIGHTS, RECENTRE),
     ),
     Form(
         "am2",
         "the four corners of a pixel, and between them recursively where they differ (+AM2)",
-        (_LEVELS, _THRESHOLD, _JITTER, *_AREA_LIGHTS),
+        (_LEVELS, _THRESHOLD, _JITTER, *_AREA_LIGHTS, RECENTRE),
     ),
     Form(
         "regular",
         "n = k x k rays a pixel, on a regular grid: rendered k times larger and averaged",
-        (Key("n", "integer", 16, "samples a pixel, a square number", 1, 1 << 14, is_count=True), *_AREA_LIGHTS),
+        (
+            Key("n", "integer", 16, "samples a pixel, a square number", 1, 1 << 14, is_count=True),
+            *_AREA_LIGHTS,
+            RECENTRE,
+        ),
     ),
     ACCUMULATE,
     FOCAL_BLUR,
