@@ -84,7 +84,11 @@ _POVRAY_LIGHTS: Mapping[str, Values] = {
 }
 
 POVRAY: Mapping[str, tuple[str, ...]] = {
-    "plain": ("none", *_POVRAY_GRIDS, *_about("regular", {"n": 16}, {"n": (4, 64), "recentre": (0,)})),
+    "plain": (
+        *_about("none", {}, {"exposure": ("off",)}),
+        *_POVRAY_GRIDS,
+        *_about("regular", {"n": 16}, {"n": (4, 64), "recentre": (0,)}),
+    ),
     "lens": _about(
         "focal-blur",
         {"blur_samples": 64, "variance": 0.001},
