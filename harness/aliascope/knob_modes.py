@@ -64,7 +64,9 @@ EMBREE_BOUNCES = _about("uniform", {"n": 16}, {"n": (4, 64), **_SAFETY, "sampler
 """Of scenes whose samples cost ten times as much."""
 
 _SEQUENCES = ("sobol", "sobol,sampler.scramble=owen", "random")
-_PASSES = _about("accumulate", {"n": 16}, {"n": (4, 64), "sampler": (*_SEQUENCES, "regular", "jittered")})
+_PASSES = _about(
+    "accumulate", {"n": 16}, {"n": (4, 64), "recentre": (0,), "sampler": (*_SEQUENCES, "regular", "jittered")}
+)
 _FRAMES = _about("accumulate", {"n": 16}, {"n": (4, 64), "sampler": _SEQUENCES})
 """Of samples with more than the pixel's two dimensions."""
 
@@ -82,7 +84,11 @@ _POVRAY_LIGHTS: Mapping[str, Values] = {
 }
 
 POVRAY: Mapping[str, tuple[str, ...]] = {
-    "plain": ("none", *_POVRAY_GRIDS, *_about("regular", {"n": 16}, {"n": (4, 64)})),
+    "plain": (
+        *_about("none", {}, {"exposure": ("off",)}),
+        *_POVRAY_GRIDS,
+        *_about("regular", {"n": 16}, {"n": (4, 64), "recentre": (0,)}),
+    ),
     "lens": _about(
         "focal-blur",
         {"blur_samples": 64, "variance": 0.001},
@@ -103,7 +109,7 @@ POVRAY: Mapping[str, tuple[str, ...]] = {
 }
 
 OSMESA = (
-    "none",
+    *_about("none", {}, {"recentre": (0,)}),
     *(f"msaa:n={n}{shading}" for n in (4, 8) for shading in ("", ",sample-shading=1")),
     *_PASSES,
 )
