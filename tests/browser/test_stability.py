@@ -134,7 +134,10 @@ def test_keys_walk_the_map_and_open_a_cell(opened: Open) -> None:
     page.keyboard.press("ArrowDown")
     assert page.evaluate(focused).startswith("embree:relative=0, ")
     page.keyboard.press("ArrowRight")
-    name = page.evaluate(focused).split(":")[0]
+    name = re.split(": ", page.evaluate(focused))[0]
+    page.keyboard.press("Tab")
+    page.keyboard.press("Shift+Tab")
+    assert page.evaluate(focused).startswith(name)
     page.keyboard.press("Enter")
     dialog = page.locator("dialog[open]")
     expect(dialog.locator("h2")).to_contain_text(name)
@@ -145,6 +148,14 @@ def test_keys_walk_the_map_and_open_a_cell(opened: Open) -> None:
     assert "#" not in page.url
     page.keyboard.press("Tab")
     assert page.evaluate("document.activeElement.closest('.group').id") == "radiance"
+    page.keyboard.press("Shift+Tab")  # back to where it was
+    assert page.evaluate(focused).startswith(name)
+    page.keyboard.press("Enter")
+    page.locator("[aria-label='Next cell']").click()
+    beside = dialog.locator("h2").inner_text()
+    assert beside != name
+    page.keyboard.press("Escape")
+    assert page.evaluate(focused).startswith(beside)
 
 
 def test_a_cell_shows_its_readings(opened: Open) -> None:

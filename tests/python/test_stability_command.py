@@ -384,4 +384,5 @@ def test_the_page_says_what_the_map_does(found: Map) -> None:
     ]
     text = stability_page.html(found)
     assert "<b>10<sup>−6</sup>, 10<sup>6</sup></b>" in text
+    assert "from 10<sup>6</sup> on" in text
     assert "https://" not in text.replace("http://www.w3.org/2000/svg", "")
