@@ -41,7 +41,7 @@ static asc_status take_options(tracer *made, const tracer_options *given, asc_er
   if (taken->packet != 1 && taken->packet != 4 && taken->packet != 8 && taken->packet != PACKET)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "packets of %u rays: there are those of 1, 4, 8 and 16",
                     taken->packet);
-  if (taken->not_robust > 1 || (taken->film != TRACER_FILM_DOUBLE && taken->film != TRACER_FILM_FLOAT))
+  if (taken->not_robust > 1 || (unsigned)taken->film > TRACER_FILM_COMPENSATED)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_create_with: an option has no such value");
   return ASC_OK;
 }
