@@ -74,8 +74,8 @@ class Sampler:
         if status == library.lib.ASC_OUT_OF_RANGE:
             sample, dimension = (int(i) for i in np.argwhere(~((made >= 0.0) & (made < 1.0)))[0])
             raise JobFailed(
-                f"the sampler {self.spec} gave a value outside [0, 1): {made[sample, dimension]:g} as number {dimension} "
-                f"of sample {first + sample} of pixel {pixel}"
+                f"the sampler {self.spec} gave a value outside [0, 1): {made[sample, dimension]:g} as number "
+                f"{dimension} of sample {first + sample} of pixel {pixel}"
             )
         check(library, status)
         return made
