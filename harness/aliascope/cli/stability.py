@@ -37,7 +37,7 @@ def stability(
     processes: Annotated[
         int | None, typer.Option("-j", min=1, max=64, help="Probes side by side; else as many as processors.")
     ] = None,
-    time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that one probe may take.")] = 120.0,
+    time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that one probe may take.")] = 300.0,
     as_json: Json = False,
 ) -> None:
     """Find how far an input can go before a result is wrong: each component at each extreme, and the map of it.
