@@ -21,7 +21,7 @@ def _about(form: str, middle: Mapping[str, int | float | str], turns: Mapping[st
     return (_mode(form, middle), *(_mode(form, pairs) for pairs in turned))
 
 
-_SAFETY: Mapping[str, Values] = {"packet": (1, 4, 8), "robust": ("off",), "film": ("float",)}
+_SAFETY: Mapping[str, Values] = {"packet": (1, 4, 8), "robust": ("off",), "film": ("float", "compensated")}
 """What the tracer pays for safety, and for speed."""
 
 _PATTERNS = (
@@ -57,7 +57,7 @@ EMBREE_ADAPTIVE = (
 
 EMBREE = (
     *_about("uniform", {"n": 64}, {"n": (4, 16, 256), **_SAFETY, "sampler": _PATTERNS}),
-    *_about("uniform", {"filter": "mitchell", "n": 64}, {"film": ("float",)}),
+    *_about("uniform", {"filter": "mitchell", "n": 64}, {"film": ("float", "compensated")}),
     *EMBREE_ADAPTIVE,
 )
 EMBREE_BOUNCES = _about("uniform", {"n": 16}, {"n": (4, 64), **_SAFETY, "sampler": ("random", "jittered")})

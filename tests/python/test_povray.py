@@ -12,6 +12,7 @@ from povray_scenes import PLAIN, Array, mode, pixel_rays, render, render_all, sc
 from aliascope.errors import SpecError, Unsupported
 from aliascope.geometry import frame_of
 from aliascope.model import Scene
+from aliascope.records import Rendering
 from aliascope.renderers import povray, povray_process
 from aliascope.renderers.base import Request, lacks
 from aliascope.renderers.povray import RENDERER

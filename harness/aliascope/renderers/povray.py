@@ -53,6 +53,8 @@ LEAST_SECONDS = 1e-4
 LARGEST_HALF = 65504.0
 """The largest half float."""
 
+LARGEST_FLOAT = float(np.finfo(np.float32).max)
+
 LARGEST_EXPOSURE = 16.0
 """Up to here the step of 16 bits is finer than that of half floats near 1: 2.4e-4 against 9.8e-4."""
 
@@ -186,9 +188,11 @@ def too_bright(scene: Scene, peak: float, exposed: bool) -> str | None:
     An exposure brings any brightness within reach, but beside it half floats have no room for what is dimmer: a scene
     may be as much brighter than the faintest of its lights as half floats go beyond 1.
     """
-    most = LARGEST_HALF * max(1.0, _faintest(scene) if exposed else 1.0)
+    most = min(LARGEST_FLOAT, LARGEST_HALF * max(1.0, _faintest(scene) if exposed else 1.0))
     if peak <= most:
         return None
+    if most == LARGEST_FLOAT:
+        return f"pictures of float32 end at {LARGEST_FLOAT:.3g}, and this one may reach {peak:.3g}"
     if most > LARGEST_HALF:
         return (
             f"POV-Ray's pictures hold light up to {LARGEST_HALF:g} times the faintest of the scene, so up to {most:g}, "

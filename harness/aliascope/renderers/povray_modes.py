@@ -68,8 +68,8 @@ EXPOSURE = Key(
     "exposure",
     "choice",
     "auto",
-    "what light is divided by before POV-Ray sees it, and its picture multiplied by: auto, a power of two that brings a "
-    "bright or a dim scene within the range of its files; off, nothing: what is dim is lost below 1/65535",
+    "what light is divided by before POV-Ray sees it, and its picture multiplied by: auto, a power of two that brings "
+    "a bright or a dim scene within the range of its files; off, nothing: what is dim is lost below 1/65535",
     choices=("auto", "off"),
 )
 
