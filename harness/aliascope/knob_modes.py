@@ -21,7 +21,13 @@ def _about(form: str, middle: Mapping[str, int | float | str], turns: Mapping[st
     return (_mode(form, middle), *(_mode(form, pairs) for pairs in turned))
 
 
-_SAFETY: Mapping[str, Values] = {"packet": (1, 4, 8), "robust": ("off",), "film": ("float", "compensated")}
+_SAFETY: Mapping[str, Values] = {
+    "packet": (1, 4, 8),
+    "robust": ("off",),
+    "relative": ("off",),
+    "again": ("off",),
+    "film": ("float", "compensated"),
+}
 """What the tracer pays for safety, and for speed."""
 
 _PATTERNS = (
@@ -44,7 +50,11 @@ EMBREE_ADAPTIVE = (
     *_about(
         "adaptive", {"method": "kajiya", "method.criterion": "variance", "n": 64}, {"method.tolerance": (0.005, 0.08)}
     ),
-    *_about("adaptive", {"method": "kajiya", "n": 64}, {"packet": (1, 4, 8), "robust": ("off",)})[1:],
+    *_about(
+        "adaptive",
+        {"method": "kajiya", "n": 64},
+        {"packet": (1, 4, 8), "robust": ("off",), "relative": ("off",), "again": ("off",)},
+    )[1:],
     *_about(
         "adaptive",
         {"method": "mitchell", "n": 64},

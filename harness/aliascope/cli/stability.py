@@ -6,12 +6,15 @@ import os
 import shlex
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from aliascope.cli.shared import Json, app, print_json
 from aliascope.errors import Interrupted
+
+if TYPE_CHECKING:
+    from aliascope.studies.stability import Asked
 
 
 @app.command(epilog="Example: aliascope stability 'embree*' 'variance/mean' --quick -o stability")
@@ -37,7 +40,7 @@ def stability(
     processes: Annotated[
         int | None, typer.Option("-j", min=1, max=64, help="Probes side by side; else as many as processors.")
     ] = None,
-    time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that one probe may take.")] = 120.0,
+    time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that one probe may take.")] = 300.0,
     as_json: Json = False,
 ) -> None:
     """Find how far an input can go before a result is wrong: each component at each extreme, and the map of it.
@@ -46,13 +49,9 @@ def stability(
     level a component passes its bound; what POV-Ray's, Embree's or Mesa's own arithmetic breaks is told apart. Ends
     with 1 where a component of ours passes its bound, with 4 where a measurement of ours crashed or hung.
     """
-    from rich.console import Console
+    from aliascope.studies.stability import Asked
 
-    from aliascope.studies import stability as study
-    from aliascope.studies import stability_files, stability_text
-    from aliascope.studies.progress import progress_bar
-
-    asked = study.Asked(
+    asked = Asked(
         tuple(patterns or ()),
         tuple(group or ()),
         tuple(kind or ()),
@@ -61,12 +60,22 @@ def stability(
         time_limit,
         shlex.join(["aliascope", *sys.argv[1:]]),
     )
-    stability_files.check_writable(out)
     try:
-        with progress_bar() as tell:
-            found = study.run(asked, tell)
+        _run(asked, out, as_json)
     except KeyboardInterrupt as error:  # which would end with 1, as if something had broken
         raise Interrupted("interrupted: nothing was measured to the end") from error
+
+
+def _run(asked: Asked, out: Path, as_json: bool) -> None:
+    from rich.console import Console
+
+    from aliascope.studies import stability as study
+    from aliascope.studies import stability_files, stability_text
+    from aliascope.studies.progress import progress_bar
+
+    stability_files.check_writable(out)
+    with progress_bar() as tell:
+        found = study.run(asked, tell)
     # Said before it is written: a full disk loses no finding.
     if as_json:
         print_json(stability_files.document(found))

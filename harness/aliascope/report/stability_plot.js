@@ -79,7 +79,8 @@ class ReadingsPlot {
 
   draw() {
     const { svg, cell, width, height } = this;
-    const [left, right, top] = [room.left, width - room.right, room.top];
+    const rail = cell.readings.some((reading) => typeof reading.error !== "number");
+    const [left, right, top] = [room.left, width - room.right, rail ? room.top : room.top - 20];
     const numbers = cell.readings.map((reading) => reading.error).filter((error) => typeof error === "number");
     const zeros = numbers.some((error) => error === 0) || cell.bound === 0;
     const bottom = height - room.bottom - (zeros ? 20 : 0);

@@ -26,6 +26,8 @@ _ALL = (
     Extreme("not-finite", "radiance", "Values that are no numbers", "how many"),
     Extreme("hard-edge", "radiance", "Negative lobes beside a bright edge", "contrast"),
     Extreme("output", "radiance", "The range that the renderer's own files hold", "radiance"),
+    Extreme("filter-width", "radiance", "The narrowest and the widest filters", "radius in pixels"),
+    Extreme("frequency", "radiance", "A filter's response far from 0", "cycles a pixel"),
     Extreme("one-sample", "counts", "As few samples as there are", "samples"),
     Extreme("sum", "counts", "Samples added up in one pixel", "samples"),
     Extreme("index", "counts", "Late points of a sequence", "index"),
@@ -46,6 +48,7 @@ _ALL = (
     Extreme("equal", "metrics", "Pictures that are equal", "pixels"),
     Extreme("black-reference", "metrics", "A black reference", "error"),
     Extreme("huge", "metrics", "Values far above 1", "radiance"),
+    Extreme("tiny", "metrics", "Values far below 1", "radiance"),
     Extreme("constant", "metrics", "Pictures of one colour", "difference"),
 )
 

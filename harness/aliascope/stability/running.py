@@ -6,11 +6,12 @@ import functools
 import math
 import pkgutil
 import time
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
 
-from aliascope.errors import AliascopeError, InvalidInput, JobFailed, NotAvailable
+from aliascope.errors import AliascopeError, InvalidInput, NotAvailable
 from aliascope.stability.extremes import EXTREMES
 from aliascope.stability.records import Cell, Probe, Reading
 
@@ -70,12 +71,14 @@ def described(module: str) -> dict[str, Probe]:
 
 
 def _elsewhere(at: float) -> float:
-    raise JobFailed(f"level {at:g}: what is described only is measured by its name, in the process that has its module")
+    raise AssertionError(f"level {at:g}: what is described only is measured by its name, where its module is")
 
 
 def run_named(module: str, name: str, levels: Sequence[float]) -> Cell:
-    """Runs a probe that a module lists."""
-    return run(probes_of(module)[name], levels)
+    """Runs a probe that a module lists. Overflows are looked for here, and told by the error: they warn of nothing."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return run(probes_of(module)[name], levels)
 
 
 def from_mild(probe: Probe, levels: Iterable[float]) -> tuple[float, ...]:
@@ -119,8 +122,6 @@ def _reading(probe: Probe, at: float) -> Reading:
         error = probe.measure(at)
     except NotAvailable:
         raise
-    except JobFailed as failure:
-        return Reading(at, None, seconds=time.process_time() - begun, failed=str(failure) or "JobFailed")
     except AliascopeError as refusal:
         return Reading(at, None, str(refusal) or type(refusal).__name__, time.process_time() - begun)
     except Exception as failure:  # noqa: BLE001  (of a probe, or of what it tries: it is to be seen in the map)

@@ -40,7 +40,7 @@ class Asked:
     kinds: tuple[str, ...] = ()
     quick: bool = False
     processes: int = 2
-    time_limit: float = 120.0
+    time_limit: float = 300.0
     command: str = "aliascope stability"
     package: str = running.PACKAGE
 

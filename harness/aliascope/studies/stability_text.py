@@ -76,9 +76,9 @@ def cell_text(cell: Cell) -> str:
 
 
 def lost_text(cell: Cell) -> str:
-    """The digits that a cell loses at its worst; empty where it has no error."""
+    """The digits that a cell loses at its worst; empty where that is none, or there is no error."""
     lost = cell.digits_lost
-    if lost is None:
+    if lost is None or lost < 0.05:
         return ""
     return "nothing left" if math.isinf(lost) else f"{lost:.1f} digits lost"
 
@@ -120,10 +120,9 @@ def summary(found: Map) -> str:
     """What came out, in a sentence."""
     kept = sum(cell.status in ("keeps", "refuses") for cell in found.cells)
     theirs = len(found.broken) - len(found.ours)
-    parts = [
-        f"{kept} of {len(found.cells)} cells keep their bounds",
-        f"{len(found.ours)} of ours and {theirs} by the arithmetic of others do not",
-    ]
+    parts = [f"{kept} of {len(found.cells)} cells keep their bounds"]
+    if found.broken:
+        parts.append(f"{len(found.ours)} of ours and {theirs} by the arithmetic of others do not")
     for count, what in (
         (sum(cell.refused_from is not None for cell in found.cells), "decline to go to the end"),
         (sum(bool(cell.absent) for cell in found.cells), "could not be measured for want of a library"),
@@ -185,7 +184,8 @@ def _part(grid: Grid, extremes: Sequence[Extreme]) -> Grid:
 
 def _first(grid: Grid) -> int:
     """The width of the column of names; a longer one goes on in a new line."""
-    return min(34, max(len(name) for name in (grid.group, *(component for _, component in grid.rows))))
+    names = (grid.group, *(PLURALS[kind] for kind, _ in grid.rows), *(component for _, component in grid.rows))
+    return min(34, max(map(len, names)))
 
 
 def _wide(grid: Grid, extreme: Extreme) -> int:
