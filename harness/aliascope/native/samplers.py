@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aliascope.errors import SpecError, Unsupported, near_misses
+from aliascope.errors import JobFailed, SpecError, Unsupported, near_misses
 from aliascope.native import loading
 from aliascope.native.loading import check, error_box, keys, module, text
 
@@ -65,11 +65,19 @@ class Sampler:
         self._library = library
 
     def points(self, count: int, first: int = 0, pixel: tuple[int, int] = (0, 0)) -> NDArray[np.float64]:
-        """Samples [first, first + count) of a pixel: (count, dimensions) float64 in [0, 1)."""
+        """Samples [first, first + count) of a pixel: (count, dimensions) float64 in [0, 1). Raises JobFailed where a
+        plugin's are not."""
         library = self._library
         made = np.empty((count, self.dimensions))
         span = library.ffi.new("asc_range *", [*pixel, first, count, 0, self.dimensions])
-        check(library, library.lib.asc_sampler_fill(self.handle, span, library.ffi.from_buffer("double[]", made)))
+        status = library.lib.asc_sampler_fill(self.handle, span, library.ffi.from_buffer("double[]", made))
+        if status == library.lib.ASC_OUT_OF_RANGE:
+            sample, dimension = (int(i) for i in np.argwhere(~((made >= 0.0) & (made < 1.0)))[0])
+            raise JobFailed(
+                f"the sampler {self.spec} gave a value outside [0, 1): {made[sample, dimension]:g} as number "
+                f"{dimension} of sample {first + sample} of pixel {pixel}"
+            )
+        check(library, status)
         return made
 
     def weights(self, count: int, first: int = 0) -> NDArray[np.float64]:
