@@ -7,9 +7,11 @@
 #include <time.h>
 
 #include "adaptive.h"
+#include "complaint.h"
 #include "emitter.h"
 #include "filtered.h"
 #include "frames.h"
+#include "relative.h"
 #include "scene.h"
 
 static double seconds(clockid_t clock) {
@@ -41,13 +43,32 @@ static asc_status take_options(tracer *made, const tracer_options *given, asc_er
   if (taken->packet != 1 && taken->packet != 4 && taken->packet != 8 && taken->packet != PACKET)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "packets of %u rays: there are those of 1, 4, 8 and 16",
                     taken->packet);
-  if (taken->not_robust > 1 || (unsigned)taken->film > TRACER_FILM_COMPENSATED)
+  if (taken->not_robust > 1 || taken->not_relative > 1 || taken->look_once > 1 ||
+      (unsigned)taken->film > TRACER_FILM_COMPENSATED)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_create_with: an option has no such value");
   return ASC_OK;
 }
 
 asc_status tracer_create(const asc_scene *scene, tracer **made, asc_error *error) {
   return tracer_create_with(scene, NULL, made, error);
+}
+
+static asc_status take_scene(tracer *made, const asc_scene *world, asc_error *error) {
+  relative_scene local;
+  asc_status status = relative_take(world, &made->options, &local, error);
+  made->ahead = local.ahead;
+  if (status == ASC_OK) status = tracer_take_appearance(made, &local.scene, error);
+  if (status == ASC_OK) {
+    /* One thread builds, so that the structure, and with it which of two touching surfaces is met, is always the
+     * same. */
+    made->device = rtcNewDevice("threads=1,set_affinity=0,ignore_config_files=1");
+    status = made->device ? tracer_take_geometry(made, &local.scene, error)
+                          : asc_fail(error, ASC_UNAVAILABLE, "Embree does not start on this machine");
+  }
+  made->looks_again = !made->options.look_once && !made->options.not_robust && world->triangle_count > 0;
+  if (status == ASC_OK) status = emitter_take(made, &local.scene, error);
+  relative_free(&local);
+  return status;
 }
 
 asc_status tracer_create_with(const asc_scene *scene, const tracer_options *options, tracer **made, asc_error *error) {
@@ -57,15 +78,7 @@ asc_status tracer_create_with(const asc_scene *scene, const tracer_options *opti
   tracer *fresh = calloc(1, sizeof *fresh);
   if (!fresh) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
   asc_status status = take_options(fresh, options, error);
-  if (status == ASC_OK) status = tracer_take_appearance(fresh, scene, error);
-  if (status == ASC_OK) {
-    /* One thread builds, so that the structure, and with it which of two touching surfaces is met, is always the
-     * same. */
-    fresh->device = rtcNewDevice("threads=1,set_affinity=0,ignore_config_files=1");
-    status = fresh->device ? tracer_take_geometry(fresh, scene, error)
-                           : asc_fail(error, ASC_UNAVAILABLE, "Embree does not start on this machine");
-    if (status == ASC_OK) status = emitter_take(fresh, scene, error);
-  }
+  if (status == ASC_OK) status = take_scene(fresh, scene, error);
   if (status) {
     tracer_destroy(fresh);
     return status;
@@ -73,7 +86,6 @@ asc_status tracer_create_with(const asc_scene *scene, const tracer_options *opti
   *made = fresh;
   return ASC_OK;
 }
-
 uint32_t tracer_dimensions(const tracer *made) { return 2 + made->further.count; }
 
 void tracer_groups(const tracer *made, uint32_t *sizes, size_t *count) {
@@ -132,9 +144,9 @@ static int is_box(const asc_filter *filter) {
   return asc_filter_resolved(filter, &resolved) || strcmp(resolved.spec, "box") == 0;
 }
 
-/* Renders, and counts the samples. */
+/* Renders, and counts the samples; `border`: how many pixels beyond the picture were sampled, each way. */
 static asc_status render(const tracer *made, const tracer_desc *desc, uint64_t samples, float *pixels, crew_cost *cost,
-                         uint64_t *all_samples) {
+                         uint64_t *all_samples, uint32_t *border) {
   const asc_view *view = &made->view;
   const uint32_t threads = desc->threads ? desc->threads : 1;
   if (is_box(desc->filter)) {
@@ -145,8 +157,8 @@ static asc_status render(const tracer *made, const tracer_desc *desc, uint64_t s
   film target;
   asc_status status = film_make(&target, made->options.film, desc->filter, view->width, view->height, samples);
   if (status) return status;
-  const uint64_t border = 2 * (uint64_t)target.reach;
-  *all_samples = samples * (view->width + border) * (view->height + border);
+  *border = (uint32_t)target.reach;
+  *all_samples = samples * (view->width + 2 * (uint64_t)*border) * (view->height + 2 * (uint64_t)*border);
   status = filtered_render(made, desc->sampler, &target, threads, pixels, cost);
   film_free(&target);
   return status;
@@ -174,10 +186,12 @@ asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, t
   crew_cost spent = {0};
   uint64_t samples = 0;
   const double begun = seconds(CLOCK_MONOTONIC);
-  status = render(made, desc, sampling.samples, pixels, &spent, &samples);
-  if (status)
-    return asc_fail(error, status, status == ASC_OUT_OF_MEMORY ? "%s" : "the sampler failed: %s",
-                    asc_status_text(status));
+  complaint_area area = {made->view.width, made->view.height, 0};
+  status = render(made, desc, sampling.samples, pixels, &spent, &samples, &area.border);
+  if (status == ASC_OUT_OF_MEMORY) return asc_fail(error, status, "%s", asc_status_text(status));
+  if (status) return complain_of_sampler(desc->sampler, area, status, error);
+  status = complain_of_pixels(pixels, area, error);
+  if (status) return status;
   if (cost) *cost = cost_of(made, samples, &spent, seconds(CLOCK_MONOTONIC) - begun);
   return ASC_OK;
 }
@@ -199,10 +213,17 @@ asc_status tracer_render_adaptive(tracer *made, const tracer_adaptive_desc *desc
   uint64_t samples = 0;
   const double begun = seconds(CLOCK_MONOTONIC);
   status = adaptive_render(made, desc->estimator, sampling.dimensions, desc->threads ? desc->threads : 1, pixels,
-                           counts, &spent, &samples);
+                           counts, &spent, &samples, NULL);
+  const complaint_area area = {made->view.width, made->view.height, 0};
+  if (status == ASC_OUT_OF_RANGE) return complain_of_sampler(estimator.sampler, area, status, error);
+  /* Again, tile by tile, for the first pixel that fails. */
+  if (status == ASC_NUMERIC)
+    return adaptive_render(made, desc->estimator, sampling.dimensions, 1, pixels, counts, &spent, &samples, error);
   if (status)
     return asc_fail(error, status, status == ASC_OUT_OF_MEMORY ? "%s" : "the estimate failed: %s",
                     asc_status_text(status));
+  status = complain_of_pixels(pixels, area, error);
+  if (status) return status;
   if (cost) *cost = cost_of(made, samples, &spent, seconds(CLOCK_MONOTONIC) - begun);
   return ASC_OK;
 }

@@ -46,6 +46,10 @@ class JobFailed(AliascopeError):
     """A renderer crashed, hung, or left no picture."""
 
 
+class NotFinite(JobFailed):
+    """A result that is no finite number, such as a picture brighter than float32 holds."""
+
+
 class NotWritable(AliascopeError):
     """A file or folder of results could not be written."""
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aliascope.errors import SpecError, Unsupported, near_misses, whole
+from aliascope.errors import JobFailed, SpecError, Unsupported, near_misses, whole
 from aliascope.native import loading
 from aliascope.native.loading import check, error_box, keys, module, text
 
@@ -69,19 +69,24 @@ class Sampler:
         self._library = library
 
     def points(self, count: int, first: int = 0, pixel: tuple[int, int] = (0, 0)) -> NDArray[np.float64]:
-        """Samples [first, first + count) of a pixel: (count, dimensions) float64 in [0, 1)."""
+        """Samples [first, first + count) of a pixel: (count, dimensions) float64 in [0, 1). Raises JobFailed where a
+        plugin's are not."""
         library = self._library
         whole(first, "an index", 0, 2**64 - 1)
         for place in pixel:
             whole(place, "a pixel's place", -(2**31), 2**31 - 1)
         made = np.empty((whole(count, "a number of points", 0, 2**53), self.dimensions))
         span = library.ffi.new("asc_range *", [*pixel, first, count, 0, self.dimensions])
-        try:
-            check(library, library.lib.asc_sampler_fill(self.handle, span, library.ffi.from_buffer("double[]", made)))
-        except Unsupported as error:
-            raise Unsupported(
-                f"{self.spec} has no points {first} to {first + count - 1}: its indices end before"
-            ) from error
+        status = library.lib.asc_sampler_fill(self.handle, span, library.ffi.from_buffer("double[]", made))
+        if status == library.lib.ASC_UNSUPPORTED:
+            raise Unsupported(f"{self.spec} has no points {first} to {first + count - 1}: its indices end before")
+        if status == library.lib.ASC_OUT_OF_RANGE:
+            sample, dimension = (int(i) for i in np.argwhere(~((made >= 0.0) & (made < 1.0)))[0])
+            raise JobFailed(
+                f"the sampler {self.spec} gave a value outside [0, 1): {made[sample, dimension]:g} as number "
+                f"{dimension} of sample {first + sample} of pixel {pixel}"
+            )
+        check(library, status)
         return made
 
     def weights(self, count: int, first: int = 0) -> NDArray[np.float64]:

@@ -6,7 +6,7 @@ from aliascope.stability.records import Extreme
 
 _ALL = (
     Extreme("far", "geometry", "Moved away from the origin, with the camera", "units"),
-    Extreme("scaled", "geometry", "The whole scene scaled", "factor"),
+    Extreme("scaled", "geometry", "The whole scene scaled", "factor", both_ways=True),
     Extreme("depth-range", "geometry", "From the nearest to the farthest thing in view", "ratio of distances"),
     Extreme("sliver", "geometry", "Triangles long and thin", "length over width"),
     Extreme("near-axis", "geometry", "An edge almost along an axis", "slope"),
@@ -18,7 +18,7 @@ _ALL = (
     Extreme("dense", "geometry", "Triangles in one pixel", "triangles"),
     Extreme("narrow", "geometry", "A narrow field of view", "degrees"),
     Extreme("wide", "geometry", "A wide field of view", "degrees short of 180"),
-    Extreme("shadow", "geometry", "Surfaces that shadow themselves, at every scale", "factor"),
+    Extreme("shadow", "geometry", "Surfaces that shadow themselves, at every scale", "factor", both_ways=True),
     Extreme("bright", "radiance", "Light above the usual", "radiance"),
     Extreme("dim", "radiance", "Light below the usual", "radiance"),
     Extreme("mixed", "radiance", "Bright and dim in one pixel", "ratio"),
@@ -26,6 +26,8 @@ _ALL = (
     Extreme("not-finite", "radiance", "Values that are no numbers", "how many"),
     Extreme("hard-edge", "radiance", "Negative lobes beside a bright edge", "contrast"),
     Extreme("output", "radiance", "The range that the renderer's own files hold", "radiance"),
+    Extreme("filter-width", "radiance", "The narrowest and the widest filters", "radius in pixels"),
+    Extreme("frequency", "radiance", "A filter's response far from 0", "cycles a pixel"),
     Extreme("one-sample", "counts", "As few samples as there are", "samples"),
     Extreme("sum", "counts", "Samples added up in one pixel", "samples"),
     Extreme("index", "counts", "Late points of a sequence", "index"),
@@ -46,6 +48,7 @@ _ALL = (
     Extreme("equal", "metrics", "Pictures that are equal", "pixels"),
     Extreme("black-reference", "metrics", "A black reference", "error"),
     Extreme("huge", "metrics", "Values far above 1", "radiance"),
+    Extreme("tiny", "metrics", "Values far below 1", "radiance"),
     Extreme("constant", "metrics", "Pictures of one colour", "difference"),
 )
 
