@@ -150,6 +150,7 @@ asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_erro
   if (status == ASC_OK) status = transport_take(made, scene, error);
   if (status == ASC_OK) status = tracer_take_motions(made, scene, error);
   if (status == ASC_OK) status = lay_out(made, error);
-  made->shines_alone = made->light_count == 0 && made->transport.bounces == 0 && made->motion_count == 0;
+  made->shines_alone =
+      made->light_count == 0 && made->transport.bounces == 0 && made->motion_count == 0 && made->ahead == 0.0;
   return status;
 }

@@ -1,8 +1,10 @@
 #include "geometry.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "frames.h"
+#include "split.h"
 
 #define SQRT_3 1.73205080756887729353
 
@@ -12,6 +14,7 @@ typedef struct batch {
   const uint32_t *members; /* NULL: all, in their order */
   size_t count;
   const asc_motion *motion; /* NULL: none */
+  const double *corners;    /* [count][3][3] of triangles in pieces, in the camera's frame; NULL: they are whole */
 } batch;
 
 static void *new_buffer(RTCGeometry geometry, enum RTCBufferType type, unsigned step, enum RTCFormat format,
@@ -34,7 +37,9 @@ static int put_triangles(const tracer *made, const asc_scene *scene, const batch
   for (size_t i = 0; i < 3 * of->count; i++) {
     const size_t number = of->members ? of->members[i / 3] : i / 3;
     double corner[3];
-    if (frames)
+    if (of->corners)
+      put_point(of->corners + 3 * i, NULL, vertices + 3 * i);
+    else if (frames)
       put_point(frames->corners + 3 * (3 * of->count * step + i), NULL, vertices + 3 * i);
     else {
       tracer_to_camera(&made->view, scene->vertices + 9 * number + 3 * (i % 3), corner);
@@ -162,11 +167,37 @@ static asc_status take_moving(tracer *made, const asc_scene *scene, uint32_t kin
     made->part_count--;
     return ASC_OK;
   }
-  const batch of = {kind, made->parts[id].members, members, motion};
+  const batch of = {.kind = kind, .members = made->parts[id].members, .count = members, .motion = motion};
   return attach(made, scene, &of, id, error);
 }
 
+/* Triangles that stand still, some of them perhaps in pieces. */
+static asc_status take_pieces(tracer *made, const asc_scene *scene, const pieces *cut, asc_error *error) {
+  made->parts = calloc(PLANES, sizeof *made->parts);
+  uint32_t *members = malloc(cut->count * sizeof *members);
+  if (!made->parts || !members) {
+    free(members);
+    return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu pieces of triangles", cut->count);
+  }
+  memcpy(members, cut->owner, cut->count * sizeof *members);
+  made->part_count = PLANES;
+  for (uint32_t kind = 0; kind < PLANES; kind++) made->parts[kind].kind = kind;
+  made->parts[TRIANGLES].members = members;
+  const batch all = {.kind = TRIANGLES, .count = cut->count, .corners = cut->corners};
+  return attach(made, scene, &all, TRIANGLES, error);
+}
+
 asc_status geometry_take(tracer *made, const asc_scene *scene, uint32_t kind, size_t count, asc_error *error) {
+  if (made->motion_count == 0 && kind == TRIANGLES) {
+    pieces cut;
+    asc_status status = split_triangles(made, scene, &cut, error);
+    if (status == ASC_OK && cut.count > 0) {
+      status = take_pieces(made, scene, &cut, error);
+      split_free(&cut);
+      return status;
+    }
+    if (status) return status;
+  }
   if (made->motion_count == 0) {
     const batch all = {.kind = kind, .count = count};
     return attach(made, scene, &all, kind, error);

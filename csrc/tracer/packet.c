@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "eye.h"
 #include "path.h"
 #include "traverse.h"
 #include "vectorise.h"
@@ -53,6 +54,25 @@ ASC_VECTORISE static void move_to_lens(const asc_view *view, packet *rays) {
   }
 }
 
+/* On to where the frame has its origin. */
+ASC_VECTORISE static void move_ahead(const tracer *made, packet *rays) {
+  struct RTCRay16 *ray = &rays->rays.ray;
+  const asc_view *view = &made->view;
+  const double ahead = made->ahead;
+  const int through = view->lens_radius > 0.0;
+  for (int i = 0; i < PACKET; i++) {
+    double u = eye_right(view, rays->sample_x[i]), v = eye_up(view, rays->sample_y[i]), x = 0.0, y = 0.0;
+    if (through) {
+      x = rays->lens[i][0];
+      y = rays->lens[i][1];
+      u -= eye_turn(view, x);
+      v -= eye_turn(view, y);
+    }
+    ray->org_x[i] = (float)(x + ahead * u);
+    ray->org_y[i] = (float)(y + ahead * v);
+  }
+}
+
 static void set_times(const tracer *made, packet *rays) {
   const asc_view *view = &made->view;
   for (int i = 0; i < PACKET; i++) {
@@ -78,8 +98,10 @@ void packet_cast(const tracer *made, packet *rays) {
   for (uint32_t i = 0; i < PACKET; i++) rays->valid[i] = i < rays->lanes ? -1 : 0;
   make_rays(&made->view, rays);
   if (made->view.lens_radius > 0.0) move_to_lens(&made->view, rays);
+  if (made->ahead > 0.0 && made->view.projection == ASC_PERSPECTIVE) move_ahead(made, rays);
   if (made->motion_count > 0) set_times(made, rays);
   traverse_closest(made, rays->valid, &rays->context, &rays->rays);
+  if (made->looks_again) traverse_look_again(made, rays->valid, &rays->context, &rays->rays);
 }
 
 void packet_shade(const tracer *made, packet *rays) {

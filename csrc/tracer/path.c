@@ -32,9 +32,16 @@ ASC_VECTORISE static void move_to_lens(const asc_view *restrict view, packet *re
   }
 }
 
+/* On to where the frame has its origin. */
+ASC_VECTORISE static void move_ahead(double ahead, packet *restrict rays) {
+  for (int axis = 0; axis < 2; axis++)
+    for (uint32_t i = 0; i < PACKET; i++) rays->origin.row[axis][i] += ahead * rays->direction.row[axis][i];
+}
+
 static void begin(const tracer *made, packet *rays) {
   set_eye_rays(&made->view, rays);
   if (made->view.lens_radius > 0.0) move_to_lens(&made->view, rays);
+  if (made->ahead > 0.0) move_ahead(made->ahead, rays);
   if (made->motion_count > 0) memcpy(rays->shadows.time, rays->rays.ray.time, sizeof rays->shadows.time);
   for (int channel = 0; channel < 3; channel++) {
     for (uint32_t i = 0; i < PACKET; i++) {

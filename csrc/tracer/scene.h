@@ -1,7 +1,7 @@
 /* The scene inside the tracer: in the camera's frame, as Embree holds it and, in double, as shading needs it.
  *
- * Camera frame: x right, y up, z forward, the eye at 0. Coordinates are moved and turned in double before they become
- * float, so that a scene far from the origin keeps its digits. */
+ * Camera frame: x right, y up, z forward, the eye at (0, 0, -ahead). Coordinates are moved (relative.h) and turned in
+ * double before they become float, so that a scene far from the origin keeps its digits. */
 #ifndef TRACER_SCENE_H
 #define TRACER_SCENE_H
 
@@ -36,10 +36,10 @@ typedef struct layout {
   size_t group_count;
 } layout;
 
-/* What one of Embree's geometries holds, where some move: surfaces of one kind and motion. */
+/* What one of Embree's geometries holds, where some move, or are held in pieces: surfaces of one kind and motion. */
 typedef struct part {
   uint32_t kind;
-  uint32_t *members; /* by primitive, the surface's number among those of its kind */
+  uint32_t *members; /* by primitive, the surface's number among those of its kind; NULL: its own */
 } part;
 
 /* What finds the light of surfaces that shine: rays sent to them and rays that come upon them, each weighted by its
@@ -63,11 +63,12 @@ struct tracer {
   tracer_options options; /* each as it is, the defaults too */
   RTCDevice device;
   RTCScene scene;
-  asc_view view;
+  asc_view view; /* with the eye at 0, in the tracer's own lengths: relative.h */
+  double ahead;  /* how far before the eye the camera's frame has its origin, along z */
   lens lens;
   layout further;
   transport transport;
-  asc_material *materials; /* pattern origins relative to the eye: of rings in the camera's frame, of checks
+  asc_material *materials; /* pattern origins relative to the frame's: of rings in the camera's frame, of checks
                               along the world's axes, as their cells are */
   size_t material_count;
   int has_patterns;
@@ -84,7 +85,7 @@ struct tracer {
   const asc_motion **motion_of[GEOMETRY_KINDS]; /* by surface, NULL where it stands still; NULL: all do */
   mesh_frames *frames;                          /* by motion, empty but for those of frames; NULL: there are none */
   uint32_t *frame_member;                       /* by triangle, where frames.h has it among those of its motion */
-  part *parts; /* by Embree's geometry; NULL where nothing moves: there it is the kind, with all its surfaces */
+  part *parts; /* by Embree's geometry; NULL where it is the kind, with all its surfaces */
   size_t part_count;
   struct emitter *emitters;
   size_t emitter_count;
@@ -92,6 +93,7 @@ struct tracer {
       *emitter_of[GEOMETRY_KINDS]; /* by surface, 0 where it does not shine, else one more than its index; or NULL */
   int shines_alone;                /* no light, bounce or motion: what is seen is what surfaces shine by themselves */
   int plain;                       /* no pattern, light, plane or bounce: what Embree finds is all that shading needs */
+  int looks_again;                 /* triangles are there that may share corners */
   double build_cpu_seconds;
 };
 
@@ -114,7 +116,8 @@ typedef struct surface {
 
 static inline surface tracer_surface(const tracer *made, uint32_t geometry, uint32_t primitive) {
   if (!made->parts) return (surface){geometry, primitive};
-  return (surface){made->parts[geometry].kind, made->parts[geometry].members[primitive]};
+  const part *of = &made->parts[geometry];
+  return (surface){of->kind, of->members ? of->members[primitive] : primitive};
 }
 
 /* How a surface moves; NULL where it stands still. */

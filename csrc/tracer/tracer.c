@@ -11,6 +11,7 @@
 #include "emitter.h"
 #include "filtered.h"
 #include "frames.h"
+#include "relative.h"
 #include "scene.h"
 
 static double seconds(clockid_t clock) {
@@ -42,13 +43,32 @@ static asc_status take_options(tracer *made, const tracer_options *given, asc_er
   if (taken->packet != 1 && taken->packet != 4 && taken->packet != 8 && taken->packet != PACKET)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "packets of %u rays: there are those of 1, 4, 8 and 16",
                     taken->packet);
-  if (taken->not_robust > 1 || (taken->film != TRACER_FILM_DOUBLE && taken->film != TRACER_FILM_FLOAT))
+  if (taken->not_robust > 1 || taken->not_relative > 1 || taken->look_once > 1 ||
+      (unsigned)taken->film > TRACER_FILM_COMPENSATED)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_create_with: an option has no such value");
   return ASC_OK;
 }
 
 asc_status tracer_create(const asc_scene *scene, tracer **made, asc_error *error) {
   return tracer_create_with(scene, NULL, made, error);
+}
+
+static asc_status take_scene(tracer *made, const asc_scene *world, asc_error *error) {
+  relative_scene local;
+  asc_status status = relative_take(world, &made->options, &local, error);
+  made->ahead = local.ahead;
+  if (status == ASC_OK) status = tracer_take_appearance(made, &local.scene, error);
+  if (status == ASC_OK) {
+    /* One thread builds, so that the structure, and with it which of two touching surfaces is met, is always the
+     * same. */
+    made->device = rtcNewDevice("threads=1,set_affinity=0,ignore_config_files=1");
+    status = made->device ? tracer_take_geometry(made, &local.scene, error)
+                          : asc_fail(error, ASC_UNAVAILABLE, "Embree does not start on this machine");
+  }
+  made->looks_again = !made->options.look_once && !made->options.not_robust && world->triangle_count > 0;
+  if (status == ASC_OK) status = emitter_take(made, &local.scene, error);
+  relative_free(&local);
+  return status;
 }
 
 asc_status tracer_create_with(const asc_scene *scene, const tracer_options *options, tracer **made, asc_error *error) {
@@ -58,15 +78,7 @@ asc_status tracer_create_with(const asc_scene *scene, const tracer_options *opti
   tracer *fresh = calloc(1, sizeof *fresh);
   if (!fresh) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
   asc_status status = take_options(fresh, options, error);
-  if (status == ASC_OK) status = tracer_take_appearance(fresh, scene, error);
-  if (status == ASC_OK) {
-    /* One thread builds, so that the structure, and with it which of two touching surfaces is met, is always the
-     * same. */
-    fresh->device = rtcNewDevice("threads=1,set_affinity=0,ignore_config_files=1");
-    status = fresh->device ? tracer_take_geometry(fresh, scene, error)
-                           : asc_fail(error, ASC_UNAVAILABLE, "Embree does not start on this machine");
-    if (status == ASC_OK) status = emitter_take(fresh, scene, error);
-  }
+  if (status == ASC_OK) status = take_scene(fresh, scene, error);
   if (status) {
     tracer_destroy(fresh);
     return status;
@@ -74,7 +86,6 @@ asc_status tracer_create_with(const asc_scene *scene, const tracer_options *opti
   *made = fresh;
   return ASC_OK;
 }
-
 uint32_t tracer_dimensions(const tracer *made) { return 2 + made->further.count; }
 
 void tracer_groups(const tracer *made, uint32_t *sizes, size_t *count) {

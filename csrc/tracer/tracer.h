@@ -24,7 +24,11 @@ typedef enum tracer_film {
   /* In float each of N additions may be off by half a unit in the last place of the sum so far: the mean of N samples,
    * none negative, by (N - 1) 2^-24 of itself at most. Like samples are rounded alike, so that it may come to a good
    * part of that. Every picture of more than one sample differs in last bits. */
-  TRACER_FILM_FLOAT = 1
+  TRACER_FILM_FLOAT = 1,
+  /* In two floats, the second what the first rounds away (film.h), as where there is no double: off by 2^-47 of the sum
+   * so far with each addition, so with 2^22 samples nearer than half the last place of a picture. Takes the memory of
+   * doubles. */
+  TRACER_FILM_COMPENSATED = 2
 } tracer_film;
 
 /* What a tracer pays for safety and speed. 0: the default. */
@@ -35,9 +39,15 @@ typedef struct tracer_options {
   uint32_t packet;
   /* 1: without Embree's robust mode. Rays that meet an edge to within their roundings may then pass between the two
    * triangles that share it (one in ten of those aimed at one; in robust mode none), or at a corner (one in four; in
-   * robust mode one in a hundred), and pictures of meshes may have samples of what lies behind. Others differ at edges,
-   * by roundings. */
+   * robust mode a few in a hundred, but for `look_once`), and pictures of meshes may have samples of what lies behind.
+   * Others differ at edges, by roundings. */
   uint32_t not_robust;
+  /* 1: places are rounded to float in the world, before the eye is subtracted, as in tracers whose vertices are floats
+   * of the world; and lengths are those of the scene, whatever float holds of them. */
+  uint32_t not_relative;
+  /* 1: rays from the eye that meet nothing, beside others that meet something, are not looked at again. In robust mode
+   * too rays pass between triangles that share a corner, a few in a hundred of those aimed at it to the last bit. */
+  uint32_t look_once;
   tracer_film film; /* of pictures with as many samples in every pixel; adaptive ones have the estimator's own sums */
 } tracer_options;
 

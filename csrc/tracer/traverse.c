@@ -1,5 +1,6 @@
 #include "traverse.h"
 
+#include <float.h>
 #include <string.h>
 
 #include "vectorise.h"
@@ -87,5 +88,51 @@ void traverse_any_by_parts(const tracer *made, const int valid[PACKET], struct R
   case 1: find_any(made, valid, context, 1, rays); break;
   case 4: find_any(made, valid, context, 4, rays); break;
   default: find_any(made, valid, context, 8, rays); break;
+  }
+}
+
+/* The share of its length by which a direction is turned aside: some times what Embree's test of an edge is off by near
+ * its ends, which is some roundings of the distance. */
+#define ASIDE (32.0f * FLT_EPSILON)
+
+static void turn_aside(float by, struct RTCRayHit16 *rays) {
+  struct RTCRay16 *ray = &rays->ray;
+  for (int i = 0; i < PACKET; i++) {
+    const float length = fmaxf(fmaxf(fabsf(ray->dir_x[i]), fabsf(ray->dir_y[i])), fabsf(ray->dir_z[i]));
+    ray->dir_x[i] += by * length;
+    ray->dir_y[i] += 0.625f * by * length; /* along no axis and no diagonal, where edges are */
+  }
+}
+
+/* Whether some lanes hit and some, which are marked, miss. */
+ASC_VECTORISE static int find_missing(const int valid[PACKET], const struct RTCHit16 *hit, int missing[PACKET]) {
+  int hits = 0, misses = 0;
+  for (int i = 0; i < PACKET; i++) {
+    const int misses_here = -(hit->geomID[i] == RTC_INVALID_GEOMETRY_ID) & valid[i];
+    missing[i] = misses_here;
+    misses |= misses_here;
+    hits |= valid[i] & ~misses_here;
+  }
+  return hits & misses;
+}
+
+void traverse_look_again(const tracer *made, const int valid[PACKET], struct RTCIntersectContext *context,
+                         struct RTCRayHit16 *rays) {
+  alignas(64) int missing[PACKET], met[PACKET];
+  if (!find_missing(valid, &rays->hit, missing)) return;
+  struct RTCRayHit16 one = *rays, other;
+  turn_aside(ASIDE, &one);
+  traverse_closest(made, missing, context, &one);
+  int any = 0;
+  for (int i = 0; i < PACKET; i++) any |= met[i] = missing[i] & -(one.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID);
+  if (!any) return;
+  other = *rays;
+  turn_aside(-ASIDE, &other);
+  traverse_closest(made, met, context, &other);
+  for (size_t i = 0; i < PACKET; i++) {
+    if (!met[i] || other.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    rays->ray.tfar[i] = one.ray.tfar[i];
+    for (size_t field = RAY_FIELDS; field < FIELDS; field++)
+      memcpy((char *)rays + (field * PACKET + i) * WORD, (const char *)&one + (field * PACKET + i) * WORD, WORD);
   }
 }

@@ -19,6 +19,12 @@ static inline void traverse_closest(const tracer *made, const int valid[PACKET],
     traverse_closest_by_parts(made, valid, context, rays);
 }
 
+/* Then: looks a second time where some of the rays met something and others nothing, which may have passed by roundings
+ * through a corner that triangles share: they have met what both of two rays meet that go close by, one on either side.
+ * Their directions stay as they are. */
+void traverse_look_again(const tracer *made, const int valid[PACKET], struct RTCIntersectContext *context,
+                         struct RTCRayHit16 *rays);
+
 /* Any surface: sets tfar to -inf. */
 static inline void traverse_any(const tracer *made, const int valid[PACKET], struct RTCIntersectContext *context,
                                 struct RTCRay16 *rays) {

@@ -21,7 +21,13 @@ def _about(form: str, middle: Mapping[str, int | float | str], turns: Mapping[st
     return (_mode(form, middle), *(_mode(form, pairs) for pairs in turned))
 
 
-_SAFETY: Mapping[str, Values] = {"packet": (1, 4, 8), "robust": ("off",), "film": ("float",)}
+_SAFETY: Mapping[str, Values] = {
+    "packet": (1, 4, 8),
+    "robust": ("off",),
+    "relative": ("off",),
+    "again": ("off",),
+    "film": ("float", "compensated"),
+}
 """What the tracer pays for safety, and for speed."""
 
 _PATTERNS = (
@@ -44,7 +50,11 @@ EMBREE_ADAPTIVE = (
     *_about(
         "adaptive", {"method": "kajiya", "method.criterion": "variance", "n": 64}, {"method.tolerance": (0.005, 0.08)}
     ),
-    *_about("adaptive", {"method": "kajiya", "n": 64}, {"packet": (1, 4, 8), "robust": ("off",)})[1:],
+    *_about(
+        "adaptive",
+        {"method": "kajiya", "n": 64},
+        {"packet": (1, 4, 8), "robust": ("off",), "relative": ("off",), "again": ("off",)},
+    )[1:],
     *_about(
         "adaptive",
         {"method": "mitchell", "n": 64},
@@ -57,14 +67,16 @@ EMBREE_ADAPTIVE = (
 
 EMBREE = (
     *_about("uniform", {"n": 64}, {"n": (4, 16, 256), **_SAFETY, "sampler": _PATTERNS}),
-    *_about("uniform", {"filter": "mitchell", "n": 64}, {"film": ("float",)}),
+    *_about("uniform", {"filter": "mitchell", "n": 64}, {"film": ("float", "compensated")}),
     *EMBREE_ADAPTIVE,
 )
 EMBREE_BOUNCES = _about("uniform", {"n": 16}, {"n": (4, 64), **_SAFETY, "sampler": ("random", "jittered")})
 """Of scenes whose samples cost ten times as much."""
 
 _SEQUENCES = ("sobol", "sobol,sampler.scramble=owen", "random")
-_PASSES = _about("accumulate", {"n": 16}, {"n": (4, 64), "sampler": (*_SEQUENCES, "regular", "jittered")})
+_PASSES = _about(
+    "accumulate", {"n": 16}, {"n": (4, 64), "recentre": (0,), "sampler": (*_SEQUENCES, "regular", "jittered")}
+)
 _FRAMES = _about("accumulate", {"n": 16}, {"n": (4, 64), "sampler": _SEQUENCES})
 """Of samples with more than the pixel's two dimensions."""
 
@@ -85,7 +97,7 @@ POVRAY: Mapping[str, tuple[str, ...]] = {
     "plain": (
         *_about("none", {}, {"exposure": ("off",)}),
         *_POVRAY_GRIDS,
-        *_about("regular", {"n": 16}, {"n": (4, 64)}),
+        *_about("regular", {"n": 16}, {"n": (4, 64), "recentre": (0,)}),
     ),
     "lens": _about(
         "focal-blur",
@@ -107,7 +119,7 @@ POVRAY: Mapping[str, tuple[str, ...]] = {
 }
 
 OSMESA = (
-    "none",
+    *_about("none", {}, {"recentre": (0,)}),
     *(f"msaa:n={n}{shading}" for n in (4, 8) for shading in ("", ",sample-shading=1")),
     *_PASSES,
 )

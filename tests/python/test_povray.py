@@ -297,7 +297,8 @@ TRIANGLE = {"type": "polygon", "points": [(0, 0, 0), (1, 0, 0), (0, 1, 0)]}
     ],
 )
 def test_reasons_for_scenes_beyond_its_range(scene: Scene, reason: str | None) -> None:
-    found = RENDERER.unable(scene, mode("none"))
+    """As the scenes' coordinates are."""
+    found = RENDERER.unable(scene, mode("none:recentre=0"))
     assert (reason in (found or "")) if reason else found is None
 
 
@@ -318,9 +319,10 @@ def test_its_range_is_what_povray_draws(monkeypatch: pytest.MonkeyPatch) -> None
         scene = with_surface(type="disc", centre=(0, 0, -distance), radius=4)
         camera = scene.camera.model_copy(update={"eye": (0.0, 0.0, 0.0), "look_at": (0.0, 0.0, -1.0)})
         scenes.append(scene.model_copy(update={"camera": camera}))
-    reasons = [RENDERER.unable(scene, mode("none")) for scene in scenes]
+    as_they_are = "none:recentre=0"
+    reasons = [RENDERER.unable(scene, mode(as_they_are)) for scene in scenes]
     monkeypatch.setattr(povray, "out_of_reach", lambda *_: None)
-    for distance, reason, rendering in zip(distances, reasons, render_all(scenes), strict=True):
+    for distance, reason, rendering in zip(distances, reasons, render_all(scenes, as_they_are), strict=True):
         assert (rendering.pixels.max() == 1.0) == (reason is None)
         assert (reason is None) == (NEAREST < distance < FARTHEST)
 

@@ -127,4 +127,4 @@ def test_forms_of_the_same_keys_are_a_knob_too() -> None:
 
 
 def test_every_option_of_the_tracer_is_a_key() -> None:
-    assert {"packet", "robust", "film"} <= set(settings(mode_of(embree.RENDERER, "uniform")))
+    assert {"packet", "robust", "relative", "again", "film"} <= set(settings(mode_of(embree.RENDERER, "uniform")))

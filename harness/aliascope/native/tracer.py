@@ -41,7 +41,7 @@ def _version(number: int) -> str:
 PACKETS = (16, 1, 4, 8)
 """Rays that Embree can trace together, the default first."""
 
-FILMS = ("double", "float")
+FILMS = ("double", "float", "compensated")
 """In what the samples of a picture can be added up, the default first."""
 
 
@@ -50,12 +50,16 @@ class Options:
     """What a tracer pays for safety and speed; tracer.h says what each changes.
 
     packet: one of PACKETS. robust: no ray passes between two triangles that share an edge. film: one of FILMS, of
-    pictures with as many samples in every pixel.
+    pictures with as many samples in every pixel. relative: the eye is subtracted from places in double, before they
+    become float, and scenes of any size are traced in lengths that float holds. again: rays from the eye that meet
+    nothing beside others that do are looked at again, whether they passed through a corner that triangles share.
     """
 
     packet: int = PACKETS[0]
     robust: bool = True
     film: str = FILMS[0]
+    relative: bool = True
+    again: bool = True
 
 
 @dataclass(frozen=True)
@@ -104,6 +108,7 @@ class Tracer:
         chosen = library.ffi.new("tracer_options *")
         chosen.struct_size = library.ffi.sizeof("tracer_options")
         chosen.packet, chosen.not_robust, chosen.film = options.packet, not options.robust, FILMS.index(options.film)
+        chosen.not_relative, chosen.look_once = not options.relative, not options.again
         check(library, library.lib.tracer_create_with(packed, chosen, out, box), box)
         keep.clear()
         self._handle = library.ffi.gc(out[0], library.lib.tracer_destroy)

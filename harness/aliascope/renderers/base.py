@@ -9,6 +9,7 @@ from typing import Protocol
 from aliascope.draws import UNMOVED, checked
 from aliascope.model import Scene
 from aliascope.native import samplers
+from aliascope.placement import placed
 from aliascope.records import Rendering
 from aliascope.specs import Form, Key, Spec
 
@@ -24,6 +25,22 @@ DIMENSIONS = Key(
     choices=samplers.ARRANGEMENTS,
 )
 """Of modes that take what a sample needs from one sampler; `aliascope render --dimensions` sets it."""
+
+RECENTRE = Key(
+    "recentre",
+    "integer",
+    1,
+    "1: a scene that is far from the origin is moved there, and one that is tiny or huge is scaled by a power of two, "
+    "before it is handed over; 0: its coordinates go over as they are (OSMesa: as float)",
+    0,
+    1,
+)
+"""Of renderers whose arithmetic ends sooner than that of the scene's doubles."""
+
+
+def as_drawn(scene: Scene, mode: Spec) -> Scene:
+    """The scene in the place and at the size in which a mode with the key `recentre` draws it."""
+    return placed(scene) if mode.integer(RECENTRE.name) else scene
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,20 @@ ROBUST = Key(
     "whether no ray passes between triangles that share an edge",
     choices=("on", "off"),
 )
+RELATIVE = Key(
+    "relative",
+    "choice",
+    "on",
+    "whether the eye is subtracted from places before they are rounded to float",
+    choices=("on", "off"),
+)
+AGAIN = Key(
+    "again",
+    "choice",
+    "on",
+    "whether rays that meet nothing, beside ones that do, are looked at again",
+    choices=("on", "off"),
+)
 FILM = Key("film", "choice", tracer.FILMS[0], "in what samples are added up", choices=tracer.FILMS)
 
 
@@ -48,6 +62,8 @@ UNIFORM = Form(
         DIMENSIONS,
         PACKET,
         ROBUST,
+        RELATIVE,
+        AGAIN,
         FILM,
     ),
 )
@@ -82,6 +98,8 @@ ADAPTIVE = Form(
         DIMENSIONS,
         PACKET,
         ROBUST,
+        RELATIVE,
+        AGAIN,
     ),
 )
 
@@ -148,7 +166,8 @@ class Embree:
 
 def _options(mode: Spec) -> tracer.Options:
     film = mode.word(FILM.name) if FILM.name in mode.values else tracer.Options.film
-    return tracer.Options(int(mode.word(PACKET.name)), mode.word(ROBUST.name) == "on", film)
+    robust, relative, again = (mode.word(key.name) == "on" for key in (ROBUST, RELATIVE, AGAIN))
+    return tracer.Options(int(mode.word(PACKET.name)), robust, film, relative, again)
 
 
 def _rays(scene: Scene, cost: tracer.TracerCost) -> dict[str, int]:

@@ -14,7 +14,7 @@ import math
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +25,7 @@ from aliascope.image import read_image
 from aliascope.model import LARGEST_AREA, Scene
 from aliascope.motion import no_still
 from aliascope.records import Cost, Pixels, Rendering
-from aliascope.renderers.base import Request, lacks
+from aliascope.renderers.base import RECENTRE, Request, as_drawn, lacks
 from aliascope.renderers.povray_frames import Frames, frames_of, looked_at, moments, moved
 from aliascope.renderers.povray_light import lighting_of, pattern_colours
 from aliascope.renderers.povray_limits import out_of_reach
@@ -128,8 +128,10 @@ class PovRay:
             return reason
         if moving := no_still(scene):
             return f"POV-Ray here draws frames of still scenes: {moving}"
+        scene = as_drawn(scene, mode)
         frames = looked_at(scene)
-        return too_bright(scene, lighting_of(scene, frames).peak, exposed(mode)) or _lost(scene, frames)
+        peak = lighting_of(scene, frames).peak
+        return too_bright(scene, peak, exposed(mode)) or _lost(scene, frames, recentred=_recentred(mode))
 
     def seeded(self, mode: Spec) -> bool:
         """Only for a randomised sampler of `accumulate`: POV-Ray's own jitter is a hash of the position."""
@@ -145,6 +147,7 @@ class PovRay:
         """
         start = time.monotonic()
         size = (request.width, request.height)
+        request = replace(request, scene=as_drawn(request.scene, request.mode))
         _check(self, request)
         frames = moved(frames_of(request.mode, request.seed, request.scene), request.shift)
         output = _output_for(request.scene, frames, request.mode)
@@ -209,9 +212,14 @@ def _faintest(scene: Scene) -> float:
     return min((most for most in shining if most > 0.0), default=1.0)
 
 
-def _lost(scene: Scene, frames: Frames, wider: tuple[float, float] = (1.0, 1.0)) -> str | None:
+def _recentred(mode: Spec) -> bool:
+    return bool(mode.integer(RECENTRE.name))
+
+
+def _lost(scene: Scene, frames: Frames, wider: tuple[float, float] = (1.0, 1.0), recentred: bool = True) -> str | None:
     """Why POV-Ray would leave out a part of the scene in one of the frames, or None; see `out_of_reach`."""
-    return next(filter(None, (out_of_reach(moment, wider) for moment in moments(scene, frames.times))), None)
+    reasons = (out_of_reach(moment, wider, recentred) for moment in moments(scene, frames.times))
+    return next(filter(None, reasons), None)
 
 
 def _write(folder: Path, request: Request, exposure: float, frames: Frames) -> None:
@@ -219,8 +227,8 @@ def _write(folder: Path, request: Request, exposure: float, frames: Frames) -> N
     scene, size = request.scene, (request.width, request.height)
     try:
         (folder / "aliascope.ini").write_text("")  # in place of the system's, which turns the display on
-        (folder / "scene.pov").write_text(scene_text(scene, size, exposure, frames))
-        for name, text in moving_texts(scene, exposure, frames):
+        (folder / "scene.pov").write_text(scene_text(scene, size, exposure, frames, _recentred(request.mode)))
+        for name, text in moving_texts(scene, exposure, frames, _recentred(request.mode)):
             (folder / name).write_text(text)
     except ValueError as error:
         raise InvalidInput(str(error)) from error
@@ -236,7 +244,7 @@ def _check(renderer: PovRay, request: Request) -> None:
         raise Unsupported(reason)
     if request.shift != Request.shift:
         wider, higher = (1.0 + 2.0 * abs(by) / pixels for by, pixels in zip(request.shift, size, strict=True))
-        if reason := _lost(request.scene, looked_at(request.scene), (wider, higher)):
+        if reason := _lost(request.scene, looked_at(request.scene), (wider, higher), _recentred(mode)):
             raise Unsupported(reason)
     if samples_per_pixel(mode) * size[0] * size[1] > LARGEST_AREA:
         raise Unsupported(f"{mode.text} at {size[0]}x{size[1]} needs a canvas of more than {LARGEST_AREA} pixels")

@@ -9,7 +9,7 @@ import numpy as np
 from aliascope.errors import Unsupported
 from aliascope.model import AreaLight, DiscLight, LoadedMesh, Scene, SphereLight
 from aliascope.native import samplers
-from aliascope.renderers.base import DIMENSIONS
+from aliascope.renderers.base import DIMENSIONS, RECENTRE
 from aliascope.specs import Form, Key, Spec
 
 FRAME_SECONDS = 0.01
@@ -93,6 +93,7 @@ ACCUMULATE = Form(
         Key("sampler", "spec", "halton", "the pattern", inner=_sampler, inner_settings=samplers.settings, named=True),
         DIMENSIONS,
         EXPOSURE,
+        RECENTRE,
     ),
 )
 
@@ -113,20 +114,21 @@ FOCAL_BLUR = Form(
         ),
         EXPOSURE,
         *_AREA_LIGHTS,
+        RECENTRE,
     ),
 )
 
 FORMS = (
-    Form("none", "one ray through the centre of each pixel (-A)", (EXPOSURE, *_AREA_LIGHTS)),
+    Form("none", "one ray through the centre of each pixel (-A)", (EXPOSURE, *_AREA_LIGHTS, RECENTRE)),
     Form(
         "am1",
         "a ray a pixel, compared with the left and the upper neighbour; where they differ, depth x depth more (+AM1)",
-        (_GRID_SIDE, _THRESHOLD, _JITTER, EXPOSURE, *_AREA_LIGHTS),
+        (_GRID_SIDE, _THRESHOLD, _JITTER, EXPOSURE, *_AREA_LIGHTS, RECENTRE),
     ),
     Form(
         "am2",
         "the four corners of a pixel, and between them recursively where they differ (+AM2)",
-        (_LEVELS, _THRESHOLD, _JITTER, EXPOSURE, *_AREA_LIGHTS),
+        (_LEVELS, _THRESHOLD, _JITTER, EXPOSURE, *_AREA_LIGHTS, RECENTRE),
     ),
     Form(
         "regular",
@@ -135,6 +137,7 @@ FORMS = (
             Key("n", "integer", 16, "samples a pixel, a square number", 1, 1 << 14, is_count=True),
             EXPOSURE,
             *_AREA_LIGHTS,
+            RECENTRE,
         ),
     ),
     ACCUMULATE,

@@ -6,7 +6,7 @@ from aliascope.stability.records import Extreme
 
 _ALL = (
     Extreme("far", "geometry", "Moved away from the origin, with the camera", "units"),
-    Extreme("scaled", "geometry", "The whole scene scaled", "factor"),
+    Extreme("scaled", "geometry", "The whole scene scaled", "factor", both_ways=True),
     Extreme("depth-range", "geometry", "From the nearest to the farthest thing in view", "ratio of distances"),
     Extreme("sliver", "geometry", "Triangles long and thin", "length over width"),
     Extreme("near-axis", "geometry", "An edge almost along an axis", "slope"),
@@ -18,7 +18,7 @@ _ALL = (
     Extreme("dense", "geometry", "Triangles in one pixel", "triangles"),
     Extreme("narrow", "geometry", "A narrow field of view", "degrees"),
     Extreme("wide", "geometry", "A wide field of view", "degrees short of 180"),
-    Extreme("shadow", "geometry", "Surfaces that shadow themselves, at every scale", "factor"),
+    Extreme("shadow", "geometry", "Surfaces that shadow themselves, at every scale", "factor", both_ways=True),
     Extreme("bright", "radiance", "Light above the usual", "radiance"),
     Extreme("dim", "radiance", "Light below the usual", "radiance"),
     Extreme("mixed", "radiance", "Bright and dim in one pixel", "ratio"),

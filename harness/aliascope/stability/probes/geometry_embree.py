@@ -1,0 +1,248 @@
+"""The tracer at the extremes of geometry, against the truth of its own samples, or the scenes' own references."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from aliascope import references, scene_io
+from aliascope.geometry import Array
+from aliascope.model import Scene, Vector
+from aliascope.native.tracer import Options, Tracer
+from aliascope.stability import geometry_scenes as scenes
+from aliascope.stability.per_sample import BOUND, ONE_SAMPLE, SAMPLER, SEED, Setting, Truth, mean_error
+from aliascope.stability.records import Probe
+from aliascope.stability.scenes import moved, scaled
+
+SCENES = ("edge", "siemens-star", "spheres")
+SCENES_SIZE = (48, 36)
+SCENES_COUNT = 16
+
+AWAY: Vector = (1.0, -0.7, 0.3)
+SWITCHED = "embree:relative=off"
+
+
+def probes() -> list[Probe]:
+    far, size = tuple(10.0**k for k in range(13)), tuple(10.0**k for k in range(-12, 13, 3))
+    return [
+        *_as_at_home("far", far, _far, (1e9,)),
+        *_as_at_home("scaled", size, _scaled, (1e-9, 1e9)),
+        _per_sample("depth-range", tuple(10.0**k for k in range(10)), scenes.road, (1e6,)),
+        _per_sample("sliver", tuple(10.0**k for k in range(1, 10)), scenes.sliver, (1e6,)),
+        _per_sample("near-axis", _small(3, 12), lambda at: scenes.below_a_line(at), (1e-6,)),
+        _per_sample("near-diagonal", _small(3, 12), lambda at: scenes.below_a_line(1.0 + at), (1e-6,)),
+        _per_sample("grazing", _small(0, 12), _grazing, (1e-6,)),
+        _per_sample("narrow", _small(-1, 6), lambda at: scenes.ball_on_a_floor(scenes.narrow_camera(at)), (1e-6,)),
+        _per_sample("wide", _small(-1, 3), lambda at: scenes.room(180.0 - at), (1e-3,)),
+        _per_sample("shadow", tuple(10.0**k for k in range(-12, 13, 3)), _shadow, (1e-9, 1e9)),
+        *_coplanar(),
+        *_on_samples(),
+        *_dense(),
+        *_watertight(),
+    ]
+
+
+def _small(first: int, last: int) -> tuple[float, ...]:
+    return tuple(10.0**-k for k in range(first, last + 1))
+
+
+def _per_sample(
+    extreme: str,
+    levels: tuple[float, ...],
+    make: Callable[[float], tuple[Scene, Truth]],
+    quick: tuple[float, ...],
+    note: str = "",
+) -> Probe:
+    return Probe(
+        "embree",
+        "renderer",
+        extreme,
+        "mean error, of a radiance of 1",
+        "the same samples, in double",
+        ONE_SAMPLE,
+        BOUND,
+        levels,
+        lambda at: mean_error(*make(at)),
+        quick,
+        note,
+    )
+
+
+def _coplanar() -> list[Probe]:
+    def measure(gap: float) -> float:
+        return max(mean_error(*scenes.one_before_another(gap, first)) for first in (False, True))
+
+    return [replace(_per_sample("coplanar", _small(0, 12), _shadow, (1e-3,), COPLANAR), measure=measure)]
+
+
+def _grazing(short: float) -> tuple[Scene, Truth]:
+    return scenes.grazed(short)
+
+
+def _shadow(factor: float) -> tuple[Scene, Truth]:
+    scene, truth = scenes.ball_on_a_floor(scenes.narrow_camera(40.0))
+    return scaled(scene, factor), truth
+
+
+COPLANAR = "Embree keeps the first of two faces whose distances round to the same float, 2^-23 of the distance apart."
+
+
+# --- the project's own scenes, elsewhere ------------------------------------------------------------------------------
+
+
+@lru_cache
+def _home(name: str) -> tuple[Scene, Array, float]:
+    """A scene, its reference, and the RMSE of its picture."""
+    scene = scene_io.load(name).scene
+    made = references.make(scene, SCENES_SIZE, plan=references.Plan(samples=1024, replicates=4))
+    return scene, made.exact, _rmse(scene, made.exact, Options())
+
+
+def _rmse(scene: Scene, reference: Array, options: Options) -> float:
+    picture = Tracer(scene, SCENES_SIZE, options=options).render(SAMPLER, SCENES_COUNT, SEED)[0]
+    return float(np.sqrt(np.mean((picture.astype(np.float64) - reference) ** 2)))
+
+
+def _as_at_home(
+    extreme: str, levels: tuple[float, ...], take: Callable[[Scene, float], Scene], quick: tuple[float, ...]
+) -> list[Probe]:
+    def measured(options: Options) -> Callable[[float], float]:
+        def measure(at: float) -> float:
+            worst = 0.0
+            for name in SCENES:
+                scene, reference, rmse = _home(name)
+                worst = max(worst, abs(_rmse(take(scene, at), reference, options) / rmse - 1.0))
+            return worst
+
+        return measure
+
+    note = "Without the switch the eye is subtracted from places that were rounded to float."
+    return [
+        Probe(
+            component,
+            "renderer",
+            extreme,
+            "RMSE over that at home, less 1",
+            f"the references of {', '.join(SCENES)}",
+            1e-3,
+            1e-2,
+            levels,
+            measured(options),
+            quick if options.relative else (),
+            "" if options.relative else note,
+        )
+        for component, options in (("embree", Options()), (SWITCHED, Options(relative=False)))
+    ]
+
+
+def _far(scene: Scene, by: float) -> Scene:
+    x, y, z = AWAY
+    return moved(scene, (by * x, by * y, by * z))
+
+
+def _scaled(scene: Scene, by: float) -> Scene:
+    return scaled(scene, by)
+
+
+# --- edges through samples, many triangles, rays aimed at corners -----------------------------------------------------
+
+
+def _on_samples() -> list[Probe]:
+    """One sample in the middle of each pixel, and a white face over a black one, which share an edge so far above the
+    middles of a row, and one so far to the right of a corner of four pixels."""
+    setting = Setting(size=(64, 64), count=1, sampler="regular")
+
+    def make(away: float) -> tuple[Scene, Truth]:
+        height, unit = 64.0, away
+        edge = 0.5 + unit
+        low = [(-40.0, -40.0, 0.0), (40.0, -40.0, 0.0), (40.0, edge, 0.0), (-40.0, edge, 0.0)]
+        high = [(-40.0, edge, 0.0), (40.0, edge, 0.0), (40.0, 40.0, 0.0), (-40.0, 40.0, 0.0)]
+        surfaces = [scenes.polygon("white", *low), scenes.polygon("black", *high)]
+        return scenes.made(scenes.orthographic(height), surfaces), lambda u, v: (v < edge) * 1.0
+
+    def measure(away: float) -> float:
+        return mean_error(*make(away), setting=setting)
+
+    return [
+        Probe(
+            "embree",
+            "renderer",
+            "on-samples",
+            "mean error, of a radiance of 1",
+            "the same samples, in double",
+            1.0 / 64**2,
+            0.5 / 64**2,
+            _small(1, 12),
+            measure,
+            (1e-3,),
+            "Corners are floats from the eye: an edge nearer to a sample than 2^-24 of its place may fall on it.",
+        )
+    ]
+
+
+def _dense() -> list[Probe]:
+    setting = Setting(size=(2, 2), count=16384)
+    return [
+        Probe(
+            "embree",
+            "renderer",
+            "dense",
+            "mean error, of a radiance of 1",
+            "the same samples, in double",
+            1.0 / (4 * 16384),
+            1e-3,
+            tuple(10.0**k for k in range(7)),
+            lambda at: mean_error(*scenes.tiles(at), setting=setting),
+            (1e3,),
+        )
+    ]
+
+
+def _watertight() -> list[Probe]:
+    """A picture of rays aimed at corners and edges, and random rays from within a ball."""
+
+    def measured(options: Options) -> Callable[[float], float]:
+        def measure(rays: float) -> float:
+            aimed = min(AIMED_SIDE, round(math.sqrt(rays / 2.0)) // 2)
+            random = (rays - (2.0 * aimed) ** 2) / BALL_SIDE**2
+            lost = _lost(scenes.aimed_at(aimed), 2 * aimed, 1, "regular", options)
+            return lost + _lost(scenes.rough_ball(24), BALL_SIDE, math.ceil(random), "random", options)
+
+        return measure
+
+    note = {
+        "embree": "",
+        "embree:again=off": "Embree's robust mode loses 2 in 100 rays aimed at corners, by roundings.",
+        "embree:robust=off": "Without its robust mode Embree loses rays at edges too.",
+    }
+    switched = (Options(), Options(again=False), Options(robust=False))
+    return [
+        Probe(
+            component,
+            "renderer",
+            "watertight",
+            "rays lost",
+            "all rays hit",
+            1.0,
+            0.5,
+            tuple(10.0**k for k in range(4, 9 if options == Options() else 7)),
+            measured(options),
+            (1e4,) if options == Options() else (),
+            note[component],
+        )
+        for component, options in zip(note, switched, strict=True)
+    ]
+
+
+AIMED_SIDE = 128
+BALL_SIDE = 64
+
+
+def _lost(scene: Scene, side: int, count: int, sampler: str, options: Options) -> float:
+    """How many of `count` rays a pixel see the black behind the white."""
+    picture = Tracer(scene, (side, side), options=options).render(sampler, count, SEED)[0]
+    return float(np.rint((1.0 - picture[..., 0].astype(np.float64)) * count).sum())

@@ -1,0 +1,52 @@
+"""Scenes moved and scaled: each place and length of them goes along, and what is seen stays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from aliascope import scene_io
+from aliascope.errors import InvalidInput
+from aliascope.model import LoadedMesh, Scene
+from aliascope.native.tracer import Tracer
+from aliascope.stability.scenes import moved, scaled
+
+SIZE = (24, 18)
+
+
+def picture(scene: Scene) -> np.ndarray:
+    return Tracer(scene, SIZE).render("sobol:scramble=owen", 4, seed=1)[0]
+
+
+@pytest.mark.parametrize("name", scene_io.names())
+def test_by_powers_of_two_what_is_seen_stays(name: str) -> None:
+    """Scaling by a power of two changes the exponents of doubles and floats alone: not a bit of the picture. Moving by
+    one rounds some coordinates to 2^-42 of a unit, which a sample in a thousand may show."""
+    scene = scene_io.load(name).scene
+    still = picture(scene)
+    np.testing.assert_array_equal(picture(scaled(scene, 2.0)), still)
+    np.testing.assert_array_equal(picture(scaled(scene, 0.25)), still)
+    there = picture(moved(scene, (1024.0, -512.0, 2048.0)))
+    assert np.mean(np.abs(there - still) > 1e-5 * np.abs(still).max()) < 0.01
+
+
+def test_back_again_it_is_the_scene() -> None:
+    scene = scene_io.load("everything").scene
+    assert scaled(scaled(scene, 8.0), 0.125).digest() == scene.digest()
+    assert scaled(scene, 8.0).digest() != scene.digest() != moved(scene, (1.0, 0.0, 0.0)).digest()
+    terrain = scene_io.load("terrain").scene
+    assert moved(terrain, (0.5, 0.0, 0.0)).digest() != terrain.digest()
+    meshes = [each for each in moved(terrain, (0.5, 0.0, 0.0)).surfaces if isinstance(each, LoadedMesh)]
+    assert meshes
+    assert all(
+        np.array_equal(there.triangles, here.triangles + np.array([0.5, 0.0, 0.0]))
+        for there, here in zip(meshes, (each for each in terrain.surfaces if isinstance(each, LoadedMesh)), strict=True)
+    )
+
+
+def test_where_sums_make_no_scene_it_is_refused() -> None:
+    scene = scene_io.load("edge").scene
+    with pytest.raises(InvalidInput, match="eye and look_at must differ"):
+        moved(scene, (0.0, 0.0, 1e20))
+    with pytest.raises(InvalidInput, match=r"less than or equal to 10{30}"):
+        moved(scene, (1e31, 0.0, 0.0))
