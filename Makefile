@@ -72,6 +72,11 @@ mitchell: all
 agree: all
 	@$(VENV)/bin/aliascope agree -o $(RESULTS)/agree
 
+## stability  find where each part breaks at the extremes; results in .build/stability
+.PHONY: stability
+stability: all
+	@$(VENV)/bin/aliascope stability -j $(CORES) -o $(BUILD)/stability
+
 ## regress    test that pictures are as good as they were blessed; results in .results/regress
 .PHONY: regress
 regress: all

@@ -143,12 +143,12 @@ static int holds(const asc_sampler *sampler, uint64_t first, size_t count) {
 
 #define LAST_BELOW 0x3fefffffefffffffu /* the bits of the double before 1 - 2^-25 */
 
-/* Moves what would round to 1 as float. */
+/* Moves what would round to 1 as float. What is outside stays as it is, to be told. */
 static asc_status move_below_one(double *points, size_t count) {
   int outside = 0;
   for (size_t i = 0; i < count; i++) {
     outside |= !(points[i] >= 0.0 && points[i] < 1.0);
-    points[i] = points[i] >= 1.0 - 0x1p-25 ? 1.0 - 0x1p-24 : points[i];
+    points[i] = points[i] >= 1.0 - 0x1p-25 && points[i] < 1.0 ? 1.0 - 0x1p-24 : points[i];
   }
   return outside ? ASC_OUT_OF_RANGE : ASC_OK;
 }
@@ -227,7 +227,12 @@ asc_status asc_sampler_fill_pixels(const asc_sampler *sampler, const asc_range *
 asc_status asc_sampler_weights(const asc_sampler *sampler, uint64_t first, size_t count, double *weights) {
   if (!sampler || !weights) return ASC_INVALID_ARGUMENT;
   if (!holds(sampler, first, count)) return ASC_UNSUPPORTED;
-  if (sampler->interface->weights) return sampler->interface->weights(sampler->made.state, first, count, weights);
+  if (sampler->interface->weights) {
+    const asc_status status = sampler->interface->weights(sampler->made.state, first, count, weights);
+    int finite = 1;
+    for (size_t i = 0; status == ASC_OK && i < count; i++) finite &= isfinite(weights[i]) != 0;
+    return finite ? status : ASC_NUMERIC;
+  }
   for (size_t i = 0; i < count; i++) weights[i] = 1.0 / (double)sampler->resolved.samples;
   return ASC_OK;
 }

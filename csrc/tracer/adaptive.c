@@ -15,6 +15,7 @@ typedef struct picture {
   uint32_t across; /* tiles */
   float *pixels;
   uint32_t *counts;
+  asc_error *error; /* of one thread alone */
   atomic_ullong samples;
 } picture;
 
@@ -68,7 +69,7 @@ static asc_status render_tile(void *job, uint32_t tile, block_work *memory) {
   uint64_t counts[TILE * TILE];
   asc_estimates made = {.struct_size = sizeof made, .means = means, .counts = counts};
   rays_of_tile context = {self->made, block_packet(memory), self->dimensions};
-  const asc_status status = asc_estimate(self->estimator, &group, trace, &context, &made, NULL);
+  const asc_status status = asc_estimate(self->estimator, &group, trace, &context, &made, self->error);
   if (status) return status;
   for (uint32_t i = 0; i < group.columns * group.rows; i++) {
     const size_t pixel = (size_t)(y + i / group.columns) * view->width + x + i % group.columns;
@@ -81,14 +82,15 @@ static asc_status render_tile(void *job, uint32_t tile, block_work *memory) {
 }
 
 asc_status adaptive_render(const tracer *made, const asc_estimator *estimator, uint32_t dimensions, uint32_t threads,
-                           float *pixels, uint32_t *counts, crew_cost *cost, uint64_t *samples) {
+                           float *pixels, uint32_t *counts, crew_cost *cost, uint64_t *samples, asc_error *error) {
   const asc_view *view = &made->view;
   picture job = {.made = made,
                  .estimator = estimator,
                  .dimensions = dimensions,
                  .across = (view->width + TILE - 1) / TILE,
                  .pixels = pixels,
-                 .counts = counts};
+                 .counts = counts,
+                 .error = error};
   const uint32_t tiles = job.across * ((view->height + TILE - 1) / TILE);
   const asc_status status = crew_run(made, threads, tiles, render_tile, &job, cost);
   *samples = atomic_load(&job.samples);

@@ -35,13 +35,14 @@ struct block_work {
   alignas(64) double lens[PADDED_ROWS][2];     /* where there is one */
   alignas(64) double radiance[PADDED_ROWS][4]; /* as a packet's */
   film_cell sum[BLOCK_SIDE * BLOCK_SIDE];
+  film_cell_compensated compensated[BLOCK_SIDE * BLOCK_SIDE]; /* instead of `sum`, where that is what is kept */
   double weights[MOST_ROWS]; /* N times the samples' weights; not set where they are all 1 */
   run runs[PADDED_ROWS / PACKET];
   sight sights[PADDED_ROWS / PACKET]; /* by packet */
   double *points;                     /* [MOST_ROWS][dimensions] */
   uint32_t dimensions;
   int weighted;
-  int single;       /* sums are kept in float */
+  tracer_film kept; /* in what sums are */
   uint64_t samples; /* a pixel */
   block area;
   const film *target; /* NULL: samples go to `sum` */
@@ -54,7 +55,7 @@ block_work *block_work_make(const tracer *made) {
   memset(memory, 0, sizeof *memory);
   packet_begin(&memory->rays);
   memory->dimensions = tracer_dimensions(made);
-  memory->single = made->options.film == TRACER_FILM_FLOAT;
+  memory->kept = made->options.film;
   memory->points = malloc((size_t)MOST_ROWS * memory->dimensions * sizeof(double));
   if (!memory->points) {
     block_work_free(memory);
@@ -174,7 +175,7 @@ static void trace(const tracer *made, size_t rows, block_work *memory) {
     while (to->end < rows && shine_same(*seen, memory->sights[to->end / PACKET])) to->end += PACKET;
     const sample_rows of = {to->end - first, memory->sample_x + first, memory->sample_y + first,
                             (const double(*)[2])memory->lens + first, memory->radiance + first};
-    to->alone = !memory->target && !memory->single && shine_paint(made, *seen, &to->paint);
+    to->alone = !memory->target && memory->kept == TRACER_FILM_DOUBLE && shine_paint(made, *seen, &to->paint);
     if (!to->alone && seen->one) shine_take(made, *seen, &of);
     if (to->alone && to->paint.patterned) shine_mix(made, *seen, &of, memory->mix + first);
   }
@@ -252,17 +253,32 @@ ASC_VECTORISE static void add_rows_single(const double (*radiance)[4], const dou
   *into = __builtin_convertvector(sum, film_cell);
 }
 
+/* The same with what each addition loses. */
+ASC_VECTORISE static void add_rows_compensated(const double (*radiance)[4], const double *weights, size_t count,
+                                               film_cell_compensated *into) {
+  film_cell_compensated sum = *into;
+  for (size_t i = 0; i < count; i++) {
+    film_cell more;
+    memcpy(&more, radiance[i], sizeof more);
+    film_add_compensated(&sum, __builtin_convertvector(weights ? weights[i] * more : more, film_cell_single));
+  }
+  *into = sum;
+}
+
 static void add_to_sums(block_work *memory, cursor *at, size_t rows) {
   const run *in = memory->runs;
   for (size_t i = 0, count; i < rows; i += count) {
     if (i == in->end) in++;
     const double *weights = memory->weighted ? memory->weights + i : NULL;
-    film_cell *into = &memory->sum[at->pixel];
+    const uint32_t pixel = at->pixel;
+    film_cell *into = &memory->sum[pixel];
     const double(*radiance)[4] = (const double(*)[4])memory->radiance + i;
     count = advance(at, memory->samples, (in->end < rows ? in->end : rows) - i);
     if (in->alone)
       add_paint(&in->paint, in->paint.patterned ? memory->mix + i : NULL, weights, count, into);
-    else if (memory->single)
+    else if (memory->kept == TRACER_FILM_COMPENSATED)
+      add_rows_compensated(radiance, weights, count, &memory->compensated[pixel]);
+    else if (memory->kept == TRACER_FILM_FLOAT)
       add_rows_single(radiance, weights, count, into);
     else
       add_rows(radiance, weights, count, into);
@@ -304,12 +320,14 @@ static asc_status add_pixels(const tracer *made, const asc_sampler *sampler, uin
 asc_status block_render(const tracer *made, const asc_sampler *sampler, uint64_t samples, block area,
                         block_work *memory, float *pixels) {
   memset(memory->sum, 0, sizeof memory->sum);
+  memset(memory->compensated, 0, sizeof memory->compensated);
   memory->target = NULL;
   asc_status status = add_pixels(made, sampler, samples, area, memory);
   if (status) return status;
   for (uint32_t i = 0; i < area.rows * area.columns; i++) {
     const size_t x = (size_t)area.x + i % area.columns, y = (size_t)area.y + i / area.columns;
     float *pixel = pixels + 3 * (y * made->view.width + x);
+    if (memory->kept == TRACER_FILM_COMPENSATED) film_read_compensated(&memory->compensated[i], &memory->sum[i]);
     for (int channel = 0; channel < 3; channel++) pixel[channel] = (float)(memory->sum[i][channel] / (double)samples);
   }
   return ASC_OK;

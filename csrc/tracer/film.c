@@ -72,25 +72,29 @@ static inline int32_t positions_of(const film *of, double x, double *positions) 
   return first;
 }
 
-/* Adds each sample to its pixel's plain sum, and to the taps x taps cells that are `offset` from its pixel's. */
-#define DEFINE_SPLAT(splat, cell, real)                                                                                \
+#define ADD(to, value) (*(to) += (value))
+
+/* Adds each sample to its pixel's plain sum, and to the taps x taps cells that are `offset` from its pixel's. The cells
+ * are of one type, what is added of another, of `real` numbers. */
+#define DEFINE_SPLAT(splat, cell, term, real, add)                                                                     \
   ASC_VECTORISE                                                                                                        \
   static void splat(const film *of, size_t count, const film_sample *samples, const ptrdiff_t *offset,                 \
                     const double *weights, const film_cell *values) {                                                  \
     const uint32_t side = of->side, taps = of->taps;                                                                   \
     for (size_t k = 0; k < count; k++) {                                                                               \
       const double *along_x = weights + (size_t)2 * taps * k, *along_y = along_x + taps;                               \
-      const cell value = __builtin_convertvector(values[k], cell);                                                     \
+      const term value = __builtin_convertvector(values[k], term);                                                     \
       cell *plain = samples[k].pixel.plain, *corner = (cell *)samples[k].pixel.weighted + offset[k];                   \
-      *plain += value;                                                                                                 \
+      add(plain, value);                                                                                               \
       for (uint32_t j = 0; j < taps; j++) {                                                                            \
         cell *row = corner + (size_t)j * side;                                                                         \
-        for (uint32_t i = 0; i < taps; i++) row[i] += (real)(along_x[i] * along_y[j]) * value;                         \
+        for (uint32_t i = 0; i < taps; i++) add(row + i, (real)(along_x[i] * along_y[j]) * value);                     \
       }                                                                                                                \
     }                                                                                                                  \
   }
-DEFINE_SPLAT(splat_double, film_cell, double)
-DEFINE_SPLAT(splat_single, film_cell_single, float)
+DEFINE_SPLAT(splat_double, film_cell, film_cell, double, ADD)
+DEFINE_SPLAT(splat_single, film_cell_single, film_cell_single, float, ADD)
+DEFINE_SPLAT(splat_compensated, film_cell_compensated, film_cell_single, float, film_add_compensated)
 
 void film_add(const film *of, size_t count, const film_sample *samples, const double (*radiance)[4]) {
   double positions[FILM_BATCH * 2 * FILM_TAPS_MOST] = {0.0}, weights[FILM_BATCH * 2 * FILM_TAPS_MOST];
@@ -106,6 +110,8 @@ void film_add(const film *of, size_t count, const film_sample *samples, const do
   (void)asc_filter_evaluate(of->filter, positions, 2 * taps * count, weights);
   if (of->kept == TRACER_FILM_FLOAT)
     splat_single(of, count, samples, offset, weights, values);
+  else if (of->kept == TRACER_FILM_COMPENSATED)
+    splat_compensated(of, count, samples, offset, weights, values);
   else
     splat_double(of, count, samples, offset, weights, values);
 }
@@ -120,6 +126,8 @@ uint32_t film_complete(const film *of, uint32_t row) {
 static inline void read_cell(const film *of, const void *cells, size_t index, film_cell *read) {
   if (of->kept == TRACER_FILM_FLOAT)
     *read = __builtin_convertvector(((const film_cell_single *)cells)[index], film_cell);
+  else if (of->kept == TRACER_FILM_COMPENSATED)
+    film_read_compensated((const film_cell_compensated *)cells + index, read);
   else
     *read = ((const film_cell *)cells)[index];
 }

@@ -19,6 +19,8 @@
 #ifndef TRACER_FILM_H
 #define TRACER_FILM_H
 
+#include <math.h>
+
 #include "aliascope/filter.h"
 #include "tracer.h"
 
@@ -30,8 +32,35 @@
 typedef double film_cell __attribute__((vector_size(4 * sizeof(double))));
 typedef float film_cell_single __attribute__((vector_size(4 * sizeof(float))));
 
+typedef int32_t film_bits __attribute__((vector_size(4 * sizeof(int32_t))));
+
+/* A sum of floats, and what it rounded away. */
+typedef struct film_cell_compensated {
+  film_cell_single sum, lost;
+} film_cell_compensated;
+
+/* Adds to a sum of two floats, which do not overlap (Dekker 1971, A floating-point technique for extending the
+ * available precision, add2 with a plain number). What the addition loses is told without regard to which of the two is
+ * larger (Knuth, The Art of Computer Programming, vol. 2, section 4.2.2, theorem B): with negative lobes and samples
+ * that outshine the sum it may be either, for which Neumaier 1974 compares them. Unlike Neumaier's, whose losses have a
+ * plain sum of their own, which stands still at 2^24 samples as much as that of floats does, losses go back into the
+ * sum. Each addition is off by 2 u^2 of the sum so far at most, u = 2^-24. */
+static inline void film_add_compensated(film_cell_compensated *into, film_cell_single value) {
+  const film_cell_single before = into->sum, after = before + value, added = after - before;
+  const film_cell_single rounded = ((before - (after - added)) + (value - added)) + into->lost;
+  /* Past the largest float it is no number; the sum then stays infinite. */
+  const film_cell_single lost = (film_cell_single)((film_bits)rounded & (rounded == rounded));
+  into->sum = after + lost;
+  into->lost = lost - (into->sum - after);
+}
+
+/* Its value. */
+static inline void film_read_compensated(const film_cell_compensated *of, film_cell *read) {
+  for (int i = 0; i < 4; i++) (*read)[i] = (double)of->sum[i] + (isfinite(of->lost[i]) ? (double)of->lost[i] : 0.0);
+}
+
 typedef struct film {
-  tracer_film kept; /* what its cells are: film_cell, or film_cell_single */
+  tracer_film kept; /* what its cells are: film_cell, film_cell_single or film_cell_compensated */
   const asc_filter *filter;
   double radius;
   uint64_t samples;       /* a pixel */

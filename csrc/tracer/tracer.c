@@ -7,6 +7,7 @@
 #include <time.h>
 
 #include "adaptive.h"
+#include "complaint.h"
 #include "corners.h"
 #include "emitter.h"
 #include "filtered.h"
@@ -44,7 +45,7 @@ static asc_status take_options(tracer *made, const tracer_options *given, asc_er
     return asc_fail(error, ASC_INVALID_ARGUMENT, "packets of %u rays: there are those of 1, 4, 8 and 16",
                     taken->packet);
   if (taken->not_robust > 1 || taken->not_relative > 1 || taken->look_once > 1 ||
-      (taken->film != TRACER_FILM_DOUBLE && taken->film != TRACER_FILM_FLOAT))
+      (unsigned)taken->film > TRACER_FILM_COMPENSATED)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "tracer_create_with: an option has no such value");
   return ASC_OK;
 }
@@ -146,9 +147,9 @@ static int is_box(const asc_filter *filter) {
   return asc_filter_resolved(filter, &resolved) || strcmp(resolved.spec, "box") == 0;
 }
 
-/* Renders, and counts the samples. */
+/* Renders, and counts the samples; `border`: how many pixels beyond the picture were sampled, each way. */
 static asc_status render(const tracer *made, const tracer_desc *desc, uint64_t samples, float *pixels, crew_cost *cost,
-                         uint64_t *all_samples) {
+                         uint64_t *all_samples, uint32_t *border) {
   const asc_view *view = &made->view;
   const uint32_t threads = desc->threads ? desc->threads : 1;
   if (is_box(desc->filter)) {
@@ -159,8 +160,8 @@ static asc_status render(const tracer *made, const tracer_desc *desc, uint64_t s
   film target;
   asc_status status = film_make(&target, made->options.film, desc->filter, view->width, view->height, samples);
   if (status) return status;
-  const uint64_t border = 2 * (uint64_t)target.reach;
-  *all_samples = samples * (view->width + border) * (view->height + border);
+  *border = (uint32_t)target.reach;
+  *all_samples = samples * (view->width + 2 * (uint64_t)*border) * (view->height + 2 * (uint64_t)*border);
   status = filtered_render(made, desc->sampler, &target, threads, pixels, cost);
   film_free(&target);
   return status;
@@ -188,10 +189,12 @@ asc_status tracer_render(tracer *made, const tracer_desc *desc, float *pixels, t
   crew_cost spent = {0};
   uint64_t samples = 0;
   const double begun = seconds(CLOCK_MONOTONIC);
-  status = render(made, desc, sampling.samples, pixels, &spent, &samples);
-  if (status)
-    return asc_fail(error, status, status == ASC_OUT_OF_MEMORY ? "%s" : "the sampler failed: %s",
-                    asc_status_text(status));
+  complaint_area area = {made->view.width, made->view.height, 0};
+  status = render(made, desc, sampling.samples, pixels, &spent, &samples, &area.border);
+  if (status == ASC_OUT_OF_MEMORY) return asc_fail(error, status, "%s", asc_status_text(status));
+  if (status) return complain_of_sampler(desc->sampler, area, status, error);
+  status = complain_of_pixels(pixels, area, error);
+  if (status) return status;
   if (cost) *cost = cost_of(made, samples, &spent, seconds(CLOCK_MONOTONIC) - begun);
   return ASC_OK;
 }
@@ -213,10 +216,17 @@ asc_status tracer_render_adaptive(tracer *made, const tracer_adaptive_desc *desc
   uint64_t samples = 0;
   const double begun = seconds(CLOCK_MONOTONIC);
   status = adaptive_render(made, desc->estimator, sampling.dimensions, desc->threads ? desc->threads : 1, pixels,
-                           counts, &spent, &samples);
+                           counts, &spent, &samples, NULL);
+  const complaint_area area = {made->view.width, made->view.height, 0};
+  if (status == ASC_OUT_OF_RANGE) return complain_of_sampler(estimator.sampler, area, status, error);
+  /* Again, tile by tile, for the first pixel that fails. */
+  if (status == ASC_NUMERIC)
+    return adaptive_render(made, desc->estimator, sampling.dimensions, 1, pixels, counts, &spent, &samples, error);
   if (status)
     return asc_fail(error, status, status == ASC_OUT_OF_MEMORY ? "%s" : "the estimate failed: %s",
                     asc_status_text(status));
+  status = complain_of_pixels(pixels, area, error);
+  if (status) return status;
   if (cost) *cost = cost_of(made, samples, &spent, seconds(CLOCK_MONOTONIC) - begun);
   return ASC_OK;
 }

@@ -24,7 +24,11 @@ typedef enum tracer_film {
   /* In float each of N additions may be off by half a unit in the last place of the sum so far: the mean of N samples,
    * none negative, by (N - 1) 2^-24 of itself at most. Like samples are rounded alike, so that it may come to a good
    * part of that. Every picture of more than one sample differs in last bits. */
-  TRACER_FILM_FLOAT = 1
+  TRACER_FILM_FLOAT = 1,
+  /* In two floats, the second what the first rounds away (film.h), as where there is no double: off by 2^-47 of the sum
+   * so far with each addition, so with 2^22 samples nearer than half the last place of a picture. Takes the memory of
+   * doubles. */
+  TRACER_FILM_COMPENSATED = 2
 } tracer_film;
 
 /* What a tracer pays for safety and speed. 0: the default. */

@@ -27,7 +27,8 @@ MOST_OTHERS = 0.1
 MOST_WAITED = 0.05
 """Share of its time on the wall that a run may have waited for a processor."""
 MOST_SPREAD = 0.1
-"""Standard deviation of the fixed job's times, over their median, of a machine that is not loaded."""
+"""Standard deviation of the fixed job's times, over their median, of a steady machine. One that shares its processors
+with others unseen, as virtual ones do, is not: that is no load of its own, and every interval of times has it in."""
 LEAST_WATCHED = 1.0
 """Seconds on the wall from which on it is told what others used: it is counted in hundredths."""
 
@@ -125,13 +126,13 @@ def noise(beats: Sequence[Beat], efforts: Sequence[Effort], others: float | None
     why = [
         *([f"others used {others:.2g} of its processors"] if others is not None and others > MOST_OTHERS else []),
         *([f"runs waited for a processor {100 * waited:.0f} % of their time"] if waited > MOST_WAITED else []),
-        *([f"the same work took {100 * spread:.0f} % more or less time"] if spread > MOST_SPREAD else []),
     ]
     if why:
         told = f"The machine was loaded, so that times are not to be trusted: {'; '.join(why)}"
     else:
         used = "" if others is None else f"; others used {others:.2f} of its processors"
-        told = f"The machine was quiet{used}"
+        steady = "quiet" if spread <= MOST_SPREAD else "quiet but not steady, which the intervals of times take in"
+        told = f"The machine was {steady}{used}"
     told += (
         f". A fixed job of {1e3 * median:.3g} ms, run {len(seconds)} times between the pictures, varied by "
         f"{100 * spread:.1f} % and was {100 * abs(drift):.1f} % {'slower' if drift >= 0 else 'faster'} at the end."

@@ -114,7 +114,10 @@ def triangulate(polygon: Polygon) -> Array:
     first, second, normal = plane_axes(points)
     relative = points - points[0]
     extent = float(np.abs(relative).max())
-    if float(np.abs(relative @ normal).max()) > 1e-9 * extent:
+    # Far from the origin, corners are rounded out of the plane: each coordinate by half a unit in its last place, those
+    # of points[0] and of the normal too.
+    rounding = 8.0 * 2.0**-53 * float(np.abs(points).max())
+    if float(np.abs(relative @ normal).max()) > 1e-9 * extent + rounding:
         raise ValueError("the points of the polygon do not lie in one plane")
     flat = np.column_stack([relative @ first, relative @ second])
     outline = shapely.Polygon(flat)

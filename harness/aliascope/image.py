@@ -17,12 +17,20 @@ from aliascope.records import Counts, Pixels
 HEADER_PREFIX = "aliascope:"
 
 
-def write_exr(path: Path, pixels: Pixels, header: Mapping[str, str]) -> None:
+def write_exr(path: Path, pixels: Pixels, header: Mapping[str, str], *, finite: bool = True) -> None:
     """Writes (height, width, channels) float32 as EXR; the header's entries get the prefix `aliascope:`.
 
-    The file appears under its name only when it is complete. Raises NotWritable.
+    The file appears under its name only when it is complete. Raises NotWritable; also, where values are to be
+    `finite`, for one that is not: it names the file and the first pixel.
     """
     height, width, channels = pixels.shape
+    broken = ~np.isfinite(pixels)
+    if finite and broken.any():
+        y, x, channel = (int(i) for i in np.argwhere(broken)[0])
+        raise NotWritable(
+            f"{path}: not written: {int(broken.sum())} values are no finite numbers, the first at x={x}, y={y}, "
+            f"channel {channel} ({pixels[y, x, channel]:g})"
+        )
     spec = oiio.ImageSpec(width, height, channels, "float")
     spec.attribute("compression", "zip")
     spec.attribute("oiio:ColorSpace", "lin_rec709_scene")

@@ -26,7 +26,7 @@ _SAFETY: Mapping[str, Values] = {
     "robust": ("off",),
     "relative": ("off",),
     "again": ("off",),
-    "film": ("float",),
+    "film": ("float", "compensated"),
 }
 """What the tracer pays for safety, and for speed."""
 
@@ -67,14 +67,16 @@ EMBREE_ADAPTIVE = (
 
 EMBREE = (
     *_about("uniform", {"n": 64}, {"n": (4, 16, 256), **_SAFETY, "sampler": _PATTERNS}),
-    *_about("uniform", {"filter": "mitchell", "n": 64}, {"film": ("float",)}),
+    *_about("uniform", {"filter": "mitchell", "n": 64}, {"film": ("float", "compensated")}),
     *EMBREE_ADAPTIVE,
 )
 EMBREE_BOUNCES = _about("uniform", {"n": 16}, {"n": (4, 64), **_SAFETY, "sampler": ("random", "jittered")})
 """Of scenes whose samples cost ten times as much."""
 
 _SEQUENCES = ("sobol", "sobol,sampler.scramble=owen", "random")
-_PASSES = _about("accumulate", {"n": 16}, {"n": (4, 64), "sampler": (*_SEQUENCES, "regular", "jittered")})
+_PASSES = _about(
+    "accumulate", {"n": 16}, {"n": (4, 64), "recentre": (0,), "sampler": (*_SEQUENCES, "regular", "jittered")}
+)
 _FRAMES = _about("accumulate", {"n": 16}, {"n": (4, 64), "sampler": _SEQUENCES})
 """Of samples with more than the pixel's two dimensions."""
 
@@ -92,7 +94,11 @@ _POVRAY_LIGHTS: Mapping[str, Values] = {
 }
 
 POVRAY: Mapping[str, tuple[str, ...]] = {
-    "plain": ("none", *_POVRAY_GRIDS, *_about("regular", {"n": 16}, {"n": (4, 64)})),
+    "plain": (
+        *_about("none", {}, {"exposure": ("off",)}),
+        *_POVRAY_GRIDS,
+        *_about("regular", {"n": 16}, {"n": (4, 64), "recentre": (0,)}),
+    ),
     "lens": _about(
         "focal-blur",
         {"blur_samples": 64, "variance": 0.001},
@@ -113,7 +119,7 @@ POVRAY: Mapping[str, tuple[str, ...]] = {
 }
 
 OSMESA = (
-    "none",
+    *_about("none", {}, {"recentre": (0,)}),
     *(f"msaa:n={n}{shading}" for n in (4, 8) for shading in ("", ",sample-shading=1")),
     *_PASSES,
 )

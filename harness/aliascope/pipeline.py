@@ -80,7 +80,9 @@ def measure_beside(paths: Sequence[Path], reference: Pixels) -> list[dict[str, f
 
 def measure_pictures(paths: Sequence[Path], reference: Pixels) -> list[dict[str, float | None]]:
     """The metrics of pictures that one reference judges."""
-    measured = (metrics.measure(image.read_image(path), reference) for path in paths)
+    measured = (
+        metrics.measure(image.read_image(path), reference, names=(str(path), "the reference")) for path in paths
+    )
     return [{name: value.value for name, value in values.items()} for values in measured]
 
 

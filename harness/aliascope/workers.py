@@ -39,11 +39,11 @@ class Task(Generic[Result]):
         try:
             return self._future.result()
         except FutureTimeout as error:
-            raise JobFailed(f"gave no picture within {self._limit:g} s and was ended") from error
+            raise JobFailed(f"gave nothing within {self._limit:g} s and was ended") from error
         except ProcessExpired as error:
             code = error.exitcode or 0
             how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
-            raise JobFailed(f"the process that rendered it ended {how}") from error
+            raise JobFailed(f"its process ended {how}") from error
         except BrokenExecutor as error:  # they end before they begin anything: there is no task to lay it to
             raise JobFailed("the worker processes do not stay alive; is there too little memory?") from error
 

@@ -131,7 +131,7 @@ def failing(crashed: bool = False) -> Run:
     )
     cells = (run.cells[1], wrong, verdict(GONE, problem=f"{GONE.text}: no blessed figures"))
     if crashed:
-        cells = (*cells, verdict(CRASHED, problem="the process that rendered it ended by SIGSEGV\x00", failed=True))
+        cells = (*cells, verdict(CRASHED, problem="its process ended by SIGSEGV\x00", failed=True))
     return dataclasses.replace(
         run, cells=cells, controls=(*run.controls, Control("moved right by 1/32 pixel", STAR, False))
     )

@@ -119,9 +119,9 @@ def test_error_never_gives_a_number_for_what_is_none(tmp_path: Path) -> None:
     write_exr(tmp_path / "zero.exr", pixels, {})
     write_exr(tmp_path / "small.exr", pixels[1:], {})
     pixels[2, 3, 1] = np.nan
-    write_exr(tmp_path / "nan.exr", pixels, {})
+    write_exr(tmp_path / "nan.exr", pixels, {}, finite=False)
     text = complaint("error", tmp_path / "nan.exr", tmp_path / "zero.exr", code=2)
-    assert "1 NaN and 0 infinite values, the first at x=3, y=2, channel 1" in text
+    assert f"{tmp_path / 'nan.exr'} has 1 NaN and 0 infinite values, the first at x=3, y=2, channel 1" in text
     assert "5 x 3 pixels" in complaint("error", tmp_path / "small.exr", tmp_path / "zero.exr", code=2)
     assert "no such file" in complaint("error", tmp_path / "absent.exr", tmp_path / "zero.exr", code=2)
 

@@ -52,7 +52,7 @@ def fake(
 
 
 def picture(folder: Path, pixels: np.ndarray, name: str = "kept.exr") -> Path:
-    image.write_exr(folder / name, pixels.astype(np.float32), {})
+    image.write_exr(folder / name, pixels.astype(np.float32), {}, finite=False)
     return folder / name
 
 

@@ -18,9 +18,18 @@ def test_every_float_and_the_header_come_back(tmp_path: Path) -> None:
     pixels = np.random.default_rng(3).normal(0, 1e10, (5, 7, 3)).astype(np.float32)
     pixels[0, 0] = [np.nan, np.inf, 1e-42]
     header = {"scene": "edge", "mode": "uniform:n=4", "words": 'a "b" é'}
-    write_exr(tmp_path / "new" / "a.exr", pixels, header)
+    write_exr(tmp_path / "new" / "a.exr", pixels, header, finite=False)
     assert np.array_equal(read_image(tmp_path / "new" / "a.exr"), pixels, equal_nan=True)
     assert read_header(tmp_path / "new" / "a.exr") == header
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_a_picture_that_is_no_number_is_not_written(tmp_path: Path, value: float) -> None:
+    pixels = np.full((5, 7, 3), 3e38, np.float32)
+    pixels[4, 6, 2] = pixels[3, 5, 1] = value
+    with pytest.raises(NotWritable, match=r"a\.exr: not written: 2 values .* first at x=5, y=3, channel 1"):
+        write_exr(tmp_path / "a.exr", pixels, {})
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_folder_that_cannot_be_written_is_said_and_nothing_is_left(tmp_path: Path) -> None:

@@ -94,8 +94,10 @@ def test_every_knob_is_turned_and_every_mode_draws_its_scenes() -> None:
         assert len(turned["embree", key]) >= 2, key
     for key in ("method.tolerance", "method.green", "method.confidence", "method.minimum", "method.margin"):
         assert len(turned["embree", key]) >= 2, key
+    assert turned["embree", "film"] == {"double", "float", "compensated"}
     assert {"owen", "owen-full", "none", "shift", "digit"} <= turned["embree", "sampler.scramble"]
     assert len(turned["osmesa", "sample-shading"]) == 2
+    assert len(turned["osmesa", "recentre"]) == len(turned["povray", "recentre"]) == 2
     assert {"am1", "am2"} <= {job.mode.partition(":")[0] for job in made.jobs if job.renderer == "povray"}
 
 

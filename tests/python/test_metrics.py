@@ -6,6 +6,7 @@ import math
 import re
 import subprocess
 import sys
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +64,19 @@ def test_bias_has_its_sign() -> None:
     assert values(reference + 0.25, reference)["bias"] == pytest.approx(0.25, rel=1e-6)
     assert values(reference - 0.25, reference)["bias"] == pytest.approx(-0.25, rel=1e-6)
     assert values(image, reference)["bias"] == pytest.approx(-float(values(reference, image)["bias"] or 0))
+
+
+def test_bias_keeps_its_digits_where_errors_cancel() -> None:
+    """Of errors up to 1e4 and values up to 1e8 whose mean is some 1e-7 of them; exact in fractions."""
+    noise = np.random.default_rng(6)
+    reference = (10.0 ** noise.uniform(-3, 8, (33, 47, 3))).astype(np.float32)
+    half = noise.standard_normal((33, 23, 3)) * 1e4
+    error = np.concatenate([half, -half, np.zeros((33, 1, 3))], axis=1) + 1e-3
+    image = (reference + error).astype(np.float32)
+    exact = sum(map(Fraction, image.ravel().tolist())) - sum(map(Fraction, reference.ravel().tolist()))
+    assert values(image, reference)["bias"] == pytest.approx(float(exact / image.size), rel=1e-15)
+    tiny = np.float32([[[1e30, 1.0, -1e30, 2.0**-60]]])
+    assert values(tiny, np.zeros_like(tiny))["bias"] == (1.0 + 2.0**-60) / 4.0
 
 
 def test_equal_pictures_have_no_psnr() -> None:
@@ -166,15 +180,15 @@ def test_ssim_of_constants_by_hand() -> None:
     assert values(reference / 2, reference)["ssim"] == pytest.approx(expected, rel=1e-12)
 
 
-def test_ssim_keeps_its_digits_or_has_no_value() -> None:
+@pytest.mark.parametrize("bright", [1.0, 3.0, 30.0, 32000.0, 1e6, 1e30])
+def test_ssim_keeps_its_digits(bright: float) -> None:
     image, reference = pictures()
-    bright = np.float32(32000)
-    a, r = image + bright, reference + bright
-    # eps v^2 / C2 = 2.5e-4 for each variance; in truth far less, since errors of different windows have both signs.
-    assert values(a, r)["ssim"] == pytest.approx(ssim_by_definition(a, r), abs=2.5e-4)
-    measured = metrics.measure(a + bright, r)["ssim"]
-    assert measured.value is None
-    assert measured.details["ssim-reason"] == "values up to 6.4e+04 leave no digits for a data range of 1"
+    a, r = np.float32(bright) * image, np.float32(bright) * reference  # what is brighter is no whiter, but has contrast
+    exact = ssim_by_definition(a, r)
+    assert values(a, r)["ssim"] == pytest.approx(exact, abs=1e-10)
+    a, r = image + np.float32(bright), reference + np.float32(bright)  # little contrast, and less the brighter
+    if bright < 1e6:  # at which it has none left
+        assert values(a, r)["ssim"] == pytest.approx(ssim_by_definition(a, r), abs=1e-10)
 
 
 def test_small_pictures_have_no_ssim() -> None:

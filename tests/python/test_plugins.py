@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import shlex
 import sqlite3
@@ -168,13 +169,38 @@ def test_values_outside_the_unit_interval_are_an_error(tmp_path: Path, installed
     for shift in BAD:
         points = separately("points", f"wild:shift={shift}", "-n", "4", "--plugin", plugin, code=4)
         assert "outside [0, 1)" in points.stderr
+        assert "as number 0 of sample 0 of pixel (0, 0)" in points.stderr
     modes = [f"uniform:sampler=wild,sampler.shift={shift}" for shift in BAD] + ["uniform:n=1,sampler=regular"]
     words = [word for mode in modes for word in ("-m", mode)]
     out = separately("compare", "edge", *words, "-o", tmp_path / "out", "--plugin", plugin, "--json", code=4).stdout
     document: dict[str, Any] = json.loads(out)
     # Neither the plugin nor the regular grid has seeds: three draws each.
     assert (document["pictures"], document["failed"]) == (3, 3 * len(BAD))
-    assert all("outside [0, 1)" in failure["message"] for failure in document["failures"])
+    messages = [failure["message"] for failure in document["failures"]]
+    assert all("the sampler wild" in each and "as number 0 of sample 0 of pixel (0, 0)" in each for each in messages)
+    given = {float(each.split("outside [0, 1): ")[1].split()[0]) for each in messages}
+    assert sum(map(math.isnan, given)) >= 1
+    assert {-0.001, 1.0, math.inf} <= given
     command = document["failures"][0]["command"]
     assert command.endswith(f" --time-limit 120 --plugin {plugin}")
     assert "outside [0, 1)" in separately(*shlex.split(command)[1:], "-o", tmp_path / "o.exr", code=4).stderr
+
+
+def test_weights_that_are_no_numbers_are_an_error(tmp_path: Path, installed: Path) -> None:
+    weights = """static asc_status weights(const void *state, uint64_t first, size_t count, double *weights) {
+  (void)state;
+  for (size_t i = 0; i < count; i++) weights[i] = first + i == 5 ? 0.0 / 0.0 : 1.0 / 16.0;
+  return ASC_OK;
+}
+
+static const asc_parameter"""
+    changes = (
+        ("static const asc_parameter", weights),
+        (".fill = fill,", ".fill = fill, .weights = weights,"),
+        ("ASC_TRAIT_SEQUENCE,", "ASC_TRAIT_WEIGHTED,"),
+    )
+    plugin = compiled(tmp_path, installed, "weighed", *changes)
+    options = ("-m", "uniform:n=16,sampler=weighed", "-o", tmp_path / "o.exr", "--plugin", plugin)
+    failed = separately("render", "edge", "-r", "embree", *options, code=4)
+    assert "the sampler weighed gives sample 5 the weight" in failed.stderr
+    assert not (tmp_path / "o.exr").exists()

@@ -12,6 +12,7 @@ from povray_scenes import PLAIN, Array, mode, pixel_rays, render, render_all, sc
 from aliascope.errors import SpecError, Unsupported
 from aliascope.geometry import frame_of
 from aliascope.model import Scene
+from aliascope.records import Rendering
 from aliascope.renderers import povray, povray_process
 from aliascope.renderers.base import Request, lacks
 from aliascope.renderers.povray import RENDERER
@@ -181,6 +182,37 @@ def test_bright_scenes_come_unclipped_with_the_step_of_half_floats() -> None:
     np.testing.assert_allclose(rendering.pixels[0, 0], (0.1, 0.2, 0.3), rtol=2.0**-11)
 
 
+def test_a_scene_as_bright_or_as_dim_as_one_likes_has_the_same_picture() -> None:
+    """Times 10^k, by linearity; within the step of 16 bits, or of half floats."""
+
+    def shone(light: float, **keys: str) -> Rendering:
+        lamp = {"type": "disc", "material": "lamp", "centre": (0.3, 0.2, 0), "radius": 2.6}
+        scene = scene_of([lamp], {"lamp": {"emission": (0.9 * light, 0.5 * light, 0.1 * light)}}, size=(8, 8))
+        return render(scene, "regular:" + ",".join(f"{key}={value}" for key, value in ({"n": "4"} | keys).items()))
+
+    plain = shone(1.0).pixels.astype(np.float64)
+    for light in (1e-30, 1e-9, 1e30):
+        got = shone(light)
+        assert 0.0 < got.quantum < 1e-3 * light
+        np.testing.assert_allclose(got.pixels / light, plain, rtol=2.0**-11, atol=QUANTUM)
+    assert shone(1e-9, exposure="off").pixels.max() == 0.0  # so that what is compensated is there to be compared
+    assert "65504" in (RENDERER.unable(scene_of([], {}, background=(7e4, 0, 0)), mode("none:exposure=off")) or "")
+
+
+@pytest.mark.parametrize("text", ["am1:depth=2,threshold=0.1", "am2:depth=3,threshold=0.1,jitter=0"])
+@pytest.mark.parametrize("light", [0.02, 0.001])
+def test_dim_light_keeps_the_threshold_of_antialiasing(text: str, light: float) -> None:
+    """At an exposure it is higher, and where no contrast reaches it the first samples are all there are: the same
+    samples as without an exposure, more exact."""
+    lamp = {"type": "disc", "material": "lamp", "centre": (0.3, 0.2, 0), "radius": 2.6}
+    scene = scene_of([lamp], {"lamp": {"emission": (light, 0.7 * light, 0.0)}}, size=(8, 8))
+    exposed, plain = render(scene, text), render(scene, f"{text},exposure=off")
+    assert exposed.quantum < plain.quantum / 16
+    np.testing.assert_allclose(exposed.pixels, plain.pixels, rtol=0, atol=plain.quantum)
+    if light == 0.02 or text.startswith("am2"):  # the first ray of +AM1 has its neighbours', beyond the border
+        assert exposed.cost.samples == plain.cost.samples
+
+
 # What it costs
 
 
@@ -259,11 +291,14 @@ TRIANGLE = {"type": "polygon", "points": [(0, 0, 0), (1, 0, 0), (0, 1, 0)]}
         (with_surface(type="disc", centre=(0, 0, 1.1 * FARTHEST), radius=1), None),  # behind the camera
         (with_surface(type="sphere", centre=(0, 0, 0), radius=1e-3), None),
         (with_surface(type="sphere", centre=(0, 0, 0), radius=1e-8), None),  # a hundred-millionth of a pixel
-        (scene_of([], {}, background=(7e4, 0, 0)), "65504"),
+        (scene_of([], {}, background=(7e4, 0, 0)), None),
+        (scene_of([], {"lamp": {"emission": (1, 0, 0)}}, background=(7e4, 0, 0)), "65504"),
+        (scene_of([], {"lamp": {"emission": (2, 0, 0)}}, background=(7e4, 0, 0)), None),
     ],
 )
 def test_reasons_for_scenes_beyond_its_range(scene: Scene, reason: str | None) -> None:
-    found = RENDERER.unable(scene, mode("none"))
+    """As the scenes' coordinates are."""
+    found = RENDERER.unable(scene, mode("none:recentre=0"))
     assert (reason in (found or "")) if reason else found is None
 
 
@@ -284,9 +319,10 @@ def test_its_range_is_what_povray_draws(monkeypatch: pytest.MonkeyPatch) -> None
         scene = with_surface(type="disc", centre=(0, 0, -distance), radius=4)
         camera = scene.camera.model_copy(update={"eye": (0.0, 0.0, 0.0), "look_at": (0.0, 0.0, -1.0)})
         scenes.append(scene.model_copy(update={"camera": camera}))
-    reasons = [RENDERER.unable(scene, mode("none")) for scene in scenes]
+    as_they_are = "none:recentre=0"
+    reasons = [RENDERER.unable(scene, mode(as_they_are)) for scene in scenes]
     monkeypatch.setattr(povray, "out_of_reach", lambda *_: None)
-    for distance, reason, rendering in zip(distances, reasons, render_all(scenes), strict=True):
+    for distance, reason, rendering in zip(distances, reasons, render_all(scenes, as_they_are), strict=True):
         assert (rendering.pixels.max() == 1.0) == (reason is None)
         assert (reason is None) == (NEAREST < distance < FARTHEST)
 

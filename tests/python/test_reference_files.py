@@ -30,7 +30,7 @@ def rewrite(path: Path, change: Callable[[Pixels], None], **header: str) -> None
     """The file again with other pixels, its header kept but for what is said."""
     pixels = read_image(path).copy()
     change(pixels)
-    write_exr(path, pixels, read_header(path) | header)
+    write_exr(path, pixels, read_header(path) | header, finite=False)
 
 
 def nudge(by: float) -> Callable[[Pixels], None]:

@@ -286,14 +286,14 @@ def test_a_control_that_is_not_caught_fails_the_run(folder: Path, monkeypatch: p
 def test_a_job_that_fails_ends_with_four_and_blesses_nothing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def crash(pixels: Pixels, request: Request) -> Pixels:
         if "regular" in request.mode.text:
-            raise JobFailed("the process that rendered it ended by SIGSEGV")
+            raise JobFailed("its process ended by SIGSEGV")
         return pixels
 
     make_wrong(monkeypatch, crash)
     said = regressed(folder, code=4)
     assert cell_of(said, SHOWN[1])[:2] == [
         f"CRASHED  tiny/embree/{SHOWN[1]}",
-        "         the process that rendered it ended by SIGSEGV",
+        "         its process ended by SIGSEGV",
     ]
     assert cell_of(said, SHOWN[0])[0].startswith("passed ")
     before = (folder / "refs" / "blessings.jsonl").read_bytes()

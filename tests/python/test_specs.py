@@ -89,7 +89,7 @@ def test_settings_are_all_keys_with_their_values_those_left_out_too() -> None:
         return specs.settings(renderers.mode_of(renderers.find(renderer), mode))
 
     assert settings("povray", "am1:depth=5")["threshold"] == "0.1"
-    assert settings("osmesa", "none") == {}
+    assert settings("osmesa", "none") == {"recentre": "1"}
     stated = {"n": "4", "sampler": "sobol", "sampler.scramble": "owen", "filter": "box", "filter.radius": "0.5"}
     assert stated.items() <= settings("embree", "uniform:n=4").items()
     assert {name.partition(".")[0] for name in settings("embree", "uniform:n=4")} == {

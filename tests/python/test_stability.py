@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
-from aliascope.errors import Unsupported
+from aliascope.errors import NotAvailable, Unsupported
 from aliascope.stability.records import Probe, Reading
 from aliascope.stability.running import all_probes, run
 
@@ -41,10 +42,44 @@ def test_refusals_and_results_that_are_none() -> None:
     assert run(made(measure), [1000.0]).readings[0] == Reading(1000.0, None, "no more than 10", pytest.approx(0, abs=1))
 
 
+def test_both_ways_from_the_mildest_level() -> None:
+    both = replace(made(lambda at: max(at, 1.0 / at) / 500.0, (0.001, 0.01, 0.1, 1.0, 10.0, 100.0)), extreme="scaled")
+    cell = run(both)
+    assert [each.at for each in cell.readings] == [1.0, 0.1, 10.0, 0.01, 100.0, 0.001]
+    assert (cell.breaks, cell.breaks_at) == ((0.01, 100.0), 0.01)
+    assert run(made(lambda at: at, (1.0, 0.1, 10.0))).breaks == (1.0,)
+    assert run(made(lambda at: 0.0)).breaks == ()
+
+
+def test_what_nobody_foresaw_is_told() -> None:
+    cell = run(made(lambda at: 0.0 / (at - 10.0)))
+    assert [each.failed for each in cell.readings] == ["", "ZeroDivisionError: float division by zero", ""]
+    assert (cell.status, cell.failed_from, cell.refused_from) == ("failed", 10.0, None)
+
+
+def test_a_component_that_is_not_there_is_asked_once() -> None:
+    asked = []
+
+    def measure(at: float) -> float:
+        asked.append(at)
+        raise NotAvailable("no library")
+
+    cell = run(made(measure))
+    assert (cell.status, cell.absent, cell.readings, asked) == ("absent", "no library", (), [1.0])
+
+
+def test_the_worst_reading_is_the_first_of_the_largest() -> None:
+    cell = run(made(lambda at: min(at, 10.0)))
+    assert cell.worst is not None
+    assert (cell.worst.at, cell.digits_lost) == (10.0, pytest.approx(4.0))
+
+
 QUICK = [pytest.param(probe, id=name) for name, probe in all_probes().items() if probe.quick]
 
 
 @pytest.mark.parametrize("probe", QUICK)
 def test_quick_levels_keep_their_bounds(probe: Probe) -> None:
     cell = run(probe, probe.quick)
-    assert cell.breaks_at is None, cell.readings
+    assert not cell.absent, cell.absent
+    assert cell.failed_from is None or cell.theirs, cell.readings
+    assert cell.breaks_at is None or cell.theirs, cell.readings

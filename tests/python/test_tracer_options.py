@@ -58,6 +58,7 @@ def test_modes_become_options() -> None:
     for mode, options in (
         ("uniform", Options()),
         ("uniform:packet=4,robust=off,film=float", Options(4, False, "float")),
+        ("uniform:film=compensated", Options(film="compensated")),
         ("adaptive:packet=1,robust=off", Options(1, False)),
         ("uniform:relative=off", Options(relative=False)),
         ("adaptive:again=off", Options(again=False)),
@@ -115,5 +116,16 @@ def test_a_float_film_differs_in_last_bits() -> None:
         assert (np.abs(single - double) <= bound * scale).all()
 
 
-def test_one_sample_is_the_same_in_either_film() -> None:
-    assert np.array_equal(render("uniform:n=1", "spheres"), render("uniform:n=1,film=float", "spheres"))
+def test_a_compensated_film_is_as_near_as_double() -> None:
+    """Each sample is rounded to float, and the mean: 2 * 2^-24, and as much again of what the double's mean is; no more
+    with more samples."""
+    for n in (64, 4096):
+        double, kept = render(f"uniform:n={n}", "spheres"), render(f"uniform:n={n},film=compensated", "spheres")
+        assert (np.abs(kept - double) <= 3 * 2.0**-24 * double).all()
+    double, kept = (render(f"uniform:n=64,filter=mitchell{film}", "spheres") for film in ("", ",film=compensated"))
+    assert (np.abs(kept - double) <= 1.7 * 3 * 2.0**-24 * float(double.max())).all()
+
+
+@pytest.mark.parametrize("film", ["float", "compensated"])
+def test_one_sample_is_the_same_in_any_film(film: str) -> None:
+    assert np.array_equal(render("uniform:n=1", "spheres"), render(f"uniform:n=1,film={film}", "spheres"))

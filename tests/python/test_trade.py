@@ -87,6 +87,12 @@ def test_the_probability_is_that_of_the_slower_one_being_faster() -> None:
     assert front[slow.mode] == pytest.approx(stats.norm.cdf(math.log(1.05) / sigma), abs=DRAWN)
 
 
+def test_of_a_mode_without_any_spread_the_probability_is_not_known() -> None:
+    bare, timed = row("uniform a", 4, [1.0], [0.02]), row("uniform a", 5, [2.0], [0.01])
+    timed = replace(timed, cpu_seconds=Estimate(2.0, interval=(1.9, 2.1)))
+    assert {each.mode: each.known for each in scene_of([bare, timed]).front} == {bare.mode: False, timed.mode: True}
+
+
 def test_the_probability_with_times_and_errors_unsure_is_the_integral() -> None:
     # Both spreads are Student's with 30 degrees of freedom: two modes, 16 draws each, in one group.
     wave = np.resize([-1.0, 1.0], 16)

@@ -52,7 +52,8 @@ ASC_API asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range 
 ASC_API asc_status asc_sampler_fill_pixels(const asc_sampler *sampler, const asc_range *range, size_t pixels,
                                            double *points);
 
-/* Writes the weights of samples [first, first + count): those of a quadrature rule, else 1/N. */
+/* Writes the weights of samples [first, first + count): those of a quadrature rule, else 1/N. ASC_NUMERIC where a
+ * plugin's are not finite. */
 ASC_API asc_status asc_sampler_weights(const asc_sampler *sampler, uint64_t first, size_t count, double *weights);
 
 /* How the dimensions of a sample go together where they come in groups: the place in the pixel, the time, the point of

@@ -18,6 +18,7 @@ from aliascope.cli import (
     powering,
     regressing,
     sampling,
+    stability,
     sweeping,
     teaching,
 )
@@ -38,6 +39,7 @@ __all__ = [
     "powering",
     "regressing",
     "sampling",
+    "stability",
     "sweeping",
     "teaching",
 ]

@@ -98,7 +98,7 @@ def error(
     wanted = metrics.chosen(metric)
     error_maps.check_map(map_, map_scale)
     pair = error_maps.open_pair(image, reference, colour_space, reference_colour_space)
-    measured = metrics.measure(pair[0].pixels, pair[1].pixels, wanted)
+    measured = metrics.measure(pair[0].pixels, pair[1].pixels, wanted, (str(image), str(reference)))
     scale = error_maps.write_map(map_, *pair, map_scale) if map_ is not None else None
     if as_json:
         details = {key: value for each in measured.values() for key, value in each.details.items()}

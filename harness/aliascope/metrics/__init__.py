@@ -44,16 +44,21 @@ def chosen(text: str | None) -> list[str]:
     return wanted
 
 
-def measure(image: Pixels, reference: Pixels, wanted: list[str] | None = None) -> dict[str, Measured]:
+def measure(
+    image: Pixels,
+    reference: Pixels,
+    wanted: list[str] | None = None,
+    names: tuple[str, str] = ("the picture", "the reference"),
+) -> dict[str, Measured]:
     """The metrics of a picture, by name.
 
-    image, reference: (height, width, channels). Raises InvalidInput where their sizes or channels differ, and
-    where either has a NaN or an infinity: how many, and where the first is.
+    image, reference: (height, width, channels); names: what errors call them. Raises InvalidInput where their sizes or
+    channels differ, and where either has a NaN or an infinity: how many, and where the first is.
     """
     if image.shape != reference.shape:
         raise InvalidInput(f"the picture has {_size(image)}, the reference {_size(reference)}: they can't be compared")
-    check_finite(image, "the picture")
-    check_finite(reference, "the reference")
+    for pixels, name in zip((image, reference), names, strict=True):
+        check_finite(pixels, name)
     a, r = image.astype(np.float64), reference.astype(np.float64)
     return {name: METRICS[name](a, r) for name in wanted or METRICS}
 

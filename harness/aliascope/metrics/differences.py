@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from aliascope.metrics.base import Array, Measured, no_value
+from aliascope.metrics.base import Array, Measured, mean_difference, no_value
 
 
 def bias(image: Array, reference: Array) -> Measured:
     """The mean signed error, image - reference."""
-    return Measured(float((image - reference).mean()))
+    return Measured(mean_difference(image, reference))
 
 
 def mae(image: Array, reference: Array) -> Measured:

@@ -6,7 +6,7 @@ import functools
 import importlib
 from typing import Any
 
-from aliascope.errors import AliascopeError, InvalidInput, JobFailed, NotAvailable, SpecError, Unsupported
+from aliascope.errors import AliascopeError, InvalidInput, JobFailed, NotAvailable, NotFinite, SpecError, Unsupported
 
 _EXCEPTIONS: dict[str, type[AliascopeError]] = {
     "INVALID_ARGUMENT": InvalidInput,
@@ -16,6 +16,7 @@ _EXCEPTIONS: dict[str, type[AliascopeError]] = {
     "UNSUPPORTED": Unsupported,
     "UNAVAILABLE": NotAvailable,
     "PLUGIN": InvalidInput,
+    "NUMERIC": NotFinite,
 }
 
 

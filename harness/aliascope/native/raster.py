@@ -109,13 +109,45 @@ class RasterCost:
     instructions: float | None = None
 
 
+def _to_floats(ffi: Any, packed: Any) -> None:
+    """Rounds the places of a packed scene to float: lengths and directions keep their digits."""
+
+    def rounded(places: Any, count: int = 1) -> None:
+        values = np.frombuffer(ffi.buffer(places, 24 * count), np.float64)
+        values[:] = values.astype(np.float32)
+
+    rounded(packed.view.eye)
+    if packed.triangle_count:
+        rounded(packed.vertices, 3 * packed.triangle_count)
+    kinds = (("discs", "disc", "centre"), ("spheres", "sphere", "centre"), ("planes", "plane", "point"))
+    for several, one, place in kinds:
+        for i in range(getattr(packed, f"{one}_count")):
+            rounded(getattr(getattr(packed, several)[i], place))
+    for i in range(packed.material_count):
+        rounded(packed.materials[i].pattern.origin)
+    for i in range(packed.light_count):
+        if packed.lights[i].kind != ffi.typeof("asc_light_kind").relements["ASC_LIGHT_DIRECTIONAL"]:
+            rounded(packed.lights[i].place)
+    for i in range(packed.motion_count):
+        motion = packed.motions[i]
+        rounded(motion.centre)
+        if motion.frame_count:
+            rounded(motion.frames, 3 * motion.frame_count * motion.frame_triangles)
+
+
 class Raster:
     """A scene, loaded into a context of its own for one size of picture, which is moved by `shift` pixels to the right
-    and down. Raises NotAvailable, InvalidInput, and Unsupported where shadows need more than MOST_SHADOW_TESTS."""
+    and down. floats: places are rounded to float as they stand, as they are in a program that hands its world
+    coordinates to OpenGL. Raises NotAvailable, InvalidInput, and Unsupported where shadows need more than
+    MOST_SHADOW_TESTS."""
 
-    def __init__(self, scene: Scene, size: tuple[int, int], shift: tuple[float, float] = (0.0, 0.0)) -> None:
+    def __init__(
+        self, scene: Scene, size: tuple[int, int], shift: tuple[float, float] = (0.0, 0.0), floats: bool = False
+    ) -> None:
         library = _library()
         packed, keep = pack(library.ffi, scene, size, shift)
+        if floats:
+            _to_floats(library.ffi, packed)
         out, box = library.ffi.new("raster **"), error_box(library.ffi)
         check(library, library.lib.raster_create(packed, out, box), box)
         keep.clear()

@@ -41,7 +41,7 @@ def _version(number: int) -> str:
 PACKETS = (16, 1, 4, 8)
 """Rays that Embree can trace together, the default first."""
 
-FILMS = ("double", "float")
+FILMS = ("double", "float", "compensated")
 """In what the samples of a picture can be added up, the default first."""
 
 

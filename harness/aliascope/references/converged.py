@@ -20,7 +20,7 @@ import numpy as np
 
 from aliascope.agreement import Estimate
 from aliascope.draws import UNMOVED
-from aliascope.errors import Unsupported
+from aliascope.errors import NotFinite, Unsupported
 from aliascope.geometry import Array
 from aliascope.model import Scene
 from aliascope.native import tracer
@@ -87,11 +87,10 @@ class _Squares:
         self._count += 1
         if self._count == 1:
             self._first = picture.astype(np.float64)
-        with np.errstate(over="ignore", invalid="ignore"):  # `estimate` refuses what is not finite
-            moved = picture - self._first
-            before = moved - self._mean
-            self._mean = self._mean + before / self._count
-            self._sum += float((before * (moved - self._mean)).mean())
+        moved = picture - self._first
+        before = moved - self._mean
+        self._mean = self._mean + before / self._count
+        self._sum += float((before * (moved - self._mean)).mean())
 
     @property
     def standard_error(self) -> float | None:
@@ -102,17 +101,18 @@ class _Squares:
 def estimate(render: Render, plan: Plan) -> tuple[Estimate, Array]:
     """Mean and standard error of the plan's pictures, and these, (R, height, width, 3) float64.
 
-    Sums of squares are of differences from the mean. Raises Unsupported for values that are not finite.
+    Sums of squares are of differences from the mean. Raises Unsupported where a picture has values that are not finite.
     """
     rendered: list[Pixels] = []
     squares = _Squares()
     for number in range(plan.replicates):
         plan.tell(number, plan.replicates, squares.standard_error)
-        rendered.append(render(plan.first_seed + number))
+        try:
+            rendered.append(render(plan.first_seed + number))
+        except NotFinite as error:
+            raise Unsupported(f"the scene is brighter than float32 holds: {error}") from error
         squares.add(rendered[-1])
     pictures = np.array(rendered, dtype=np.float64)
-    if not np.isfinite(pictures).all():
-        raise Unsupported("the scene is brighter than float32 holds")
     mean = pictures.mean(axis=0)
     # Equal pictures have a mean that rounding moved by an ulp; their difference from the first is exactly 0.
     scatter = np.where((pictures == pictures[0]).all(axis=0), 0.0, pictures.std(axis=0, ddof=1))

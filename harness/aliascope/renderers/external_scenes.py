@@ -14,6 +14,8 @@ import numpy as np
 from aliascope.errors import NotWritable
 from aliascope.gltf import writing
 from aliascope.model import LoadedMesh, Scene
+from aliascope.placement import placed
+from aliascope.renderers import limits
 from aliascope.renderers.base import Request
 from aliascope.renderers.povray_frames import Frames, moved
 from aliascope.renderers.povray_limits import out_of_reach
@@ -37,7 +39,11 @@ def _write_glb(path: Path, request: Request) -> None:
 
 def _write_pov(path: Path, request: Request) -> None:
     frames = moved(Frames(np.zeros((1, 2)), np.ones(1)), request.shift)
-    _write(path, scene_text(request.scene, (request.width, request.height), frames=frames))
+    _write(path, scene_text(placed(request.scene), (request.width, request.height), frames=frames))
+
+
+def _out_of_povrays_reach(scene: Scene) -> str | None:
+    return out_of_reach(placed(scene)) or limits.beyond("povray", scene, as_they_are=False)
 
 
 def _write_toml(path: Path, request: Request) -> None:
@@ -92,7 +98,7 @@ _ALL = _STILL | {"area light", "disc light", "sphere light", "lens", "motion", "
 
 FORMATS: Mapping[str, Format] = {
     "scene.glb": Format(writing.FORMS, writing.no_form, _write_glb),
-    "scene.pov": Format(_STILL, out_of_reach, _write_pov, shifts=True),
+    "scene.pov": Format(_STILL, _out_of_povrays_reach, _write_pov, shifts=True),
     "scene.toml": Format(_ALL, lambda _: None, _write_toml),
 }
 """By placeholder, which is the file's name too."""

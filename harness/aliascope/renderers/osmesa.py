@@ -14,7 +14,7 @@ from aliascope.native import raster, samplers
 from aliascope.native.raster import Passes
 from aliascope.records import Cost, Rendering
 from aliascope.renderers.accumulation import choices_of
-from aliascope.renderers.base import DIMENSIONS, Request
+from aliascope.renderers.base import DIMENSIONS, RECENTRE, Request, as_drawn
 from aliascope.specs import Form, Key, Spec
 
 CENTRE = (0.5, 0.5)
@@ -26,7 +26,7 @@ Of the moves by sixteenths that give 8 rows and 8 columns it has the least error
 rms .0513, where (1/8, 1/8) has .0568, the pattern of 4 alone .0777, and the standard pattern of 8 .0486.
 """
 
-NONE = Form("none", "one sample at the centre of each pixel")
+NONE = Form("none", "one sample at the centre of each pixel", (RECENTRE,))
 MSAA = Form(
     "msaa",
     "multisampling: coverage from n samples. Without sample-shading patterns, light and shadows are evaluated once a "
@@ -37,6 +37,7 @@ MSAA = Form(
     (
         Key("n", "integer", 4, "samples a pixel: 4 or 8", 1, 65536, is_count=True),
         Key("sample-shading", "integer", 0, "1: patterns, light and shadows for each sample, at its place", 0, 1),
+        RECENTRE,
     ),
 )
 ACCUMULATE = Form(
@@ -55,6 +56,7 @@ ACCUMULATE = Form(
             named=True,
         ),
         DIMENSIONS,
+        RECENTRE,
     ),
 )
 
@@ -151,8 +153,10 @@ class OSMesa:
     def render(self, request: Request) -> Rendering:
         """Draws in the calling thread; `threads` is not used. The time limit is looked at between repeats only."""
         started = time.monotonic()
-        passes = passes_of(request.mode, request.scene, request.seed)
-        drawn = raster.Raster(request.scene, (request.width, request.height), request.shift)
+        scene = as_drawn(request.scene, request.mode)
+        passes = passes_of(request.mode, scene, request.seed)
+        as_they_are = not request.mode.integer(RECENTRE.name)
+        drawn = raster.Raster(scene, (request.width, request.height), request.shift, as_they_are)
         cpu_seconds = wall_seconds = 0.0
         repeats = 0
         while repeats == 0 or cpu_seconds < request.least_seconds:

@@ -1,8 +1,9 @@
 """POV-Ray 3.7: its own antialiasing methods 1 and 2, no antialiasing, a regular grid of samples, and any pattern of
 samples as frames that are averaged.
 
-Pictures come as 16-bit PNG: those brighter than 1 at an exposure that brings them within [0, 1], a power of two, and
-those brighter than LARGEST_EXPOSURE as half-float EXR. The step of either is the picture's quantum.
+Pictures come as 16-bit PNG: those brighter than 1, or all darker than DIM, at an exposure that brings them within
+[0, 1], a power of two; those brighter than LARGEST_EXPOSURE as half-float EXR, at an exposure too where half floats end
+before. The step of either is the picture's quantum. With `exposure=off` light is written as it is.
 Persistence of Vision Raytracer, https://www.povray.org; its reference manual, section 3.2.8.5 "Antialiasing options",
 names the options; what they do was measured.
 """
@@ -13,7 +14,7 @@ import math
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,13 +25,15 @@ from aliascope.image import read_image
 from aliascope.model import LARGEST_AREA, Scene
 from aliascope.motion import no_still
 from aliascope.records import Cost, Pixels, Rendering
-from aliascope.renderers.base import Request, lacks
+from aliascope.renderers.base import RECENTRE, Request, as_drawn, unable
 from aliascope.renderers.povray_frames import Frames, frames_of, looked_at, moments, moved
-from aliascope.renderers.povray_light import lighting_of
+from aliascope.renderers.povray_light import lighting_of, pattern_colours
 from aliascope.renderers.povray_limits import out_of_reach
 from aliascope.renderers.povray_modes import (
     FORMS,
+    allowed_exposure,
     antialiasing,
+    exposed,
     grid_side,
     samples_per_pixel,
     seeded,
@@ -50,8 +53,14 @@ LEAST_SECONDS = 1e-4
 LARGEST_HALF = 65504.0
 """The largest half float."""
 
+LARGEST_FLOAT = float(np.finfo(np.float32).max)
+
 LARGEST_EXPOSURE = 16.0
 """Up to here the step of 16 bits is finer than that of half floats near 1: 2.4e-4 against 9.8e-4."""
+
+DIM = 2.0**-5
+"""Of a picture that is nowhere as bright, a step of 1/65535 is more than 2^-11 of the brightest, the most that half
+floats round by."""
 
 
 @dataclass(frozen=True)
@@ -119,9 +128,10 @@ class PovRay:
             return reason
         if moving := no_still(scene):
             return f"POV-Ray here draws frames of still scenes: {moving}"
+        scene = as_drawn(scene, mode)
         frames = looked_at(scene)
         peak = lighting_of(scene, frames).peak
-        return too_bright(peak) or _lost(scene, frames)
+        return too_bright(scene, peak, exposed(mode)) or _lost(scene, frames, recentred=_recentred(mode))
 
     def seeded(self, mode: Spec) -> bool:
         """Only for a randomised sampler of `accumulate`: POV-Ray's own jitter is a hash of the position."""
@@ -137,9 +147,10 @@ class PovRay:
         """
         start = time.monotonic()
         size = (request.width, request.height)
+        request = replace(request, scene=as_drawn(request.scene, request.mode))
         _check(self, request)
         frames = moved(frames_of(request.mode, request.seed, request.scene), request.shift)
-        output = _output_for(request.scene, frames)
+        output = _output_for(request.scene, frames, request.mode)
         count, side = len(frames.weights), grid_side(request.mode) or 1
         path = executable()
         try:
@@ -171,16 +182,44 @@ class PovRay:
 RENDERER = PovRay()
 
 
-def too_bright(peak: float) -> str | None:
-    """Why no file of POV-Ray's holds a picture that may be so bright, or None."""
-    return (
-        None if peak <= LARGEST_HALF else f"POV-Ray's pictures end at {LARGEST_HALF:g}, and this one may reach {peak:g}"
+def too_bright(scene: Scene, peak: float, exposed: bool) -> str | None:
+    """Why no file of POV-Ray's holds a picture that may be so bright, or None.
+
+    An exposure brings any brightness within reach, but beside it half floats have no room for what is dimmer: a scene
+    may be as much brighter than the faintest of its lights as half floats go beyond 1.
+    """
+    most = min(LARGEST_FLOAT, LARGEST_HALF * max(1.0, _faintest(scene) if exposed else 1.0))
+    if peak <= most:
+        return None
+    if most == LARGEST_FLOAT:
+        return f"pictures of float32 end at {LARGEST_FLOAT:.3g}, and this one may reach {peak:.3g}"
+    if most > LARGEST_HALF:
+        return (
+            f"POV-Ray's pictures hold light up to {LARGEST_HALF:g} times the faintest of the scene, so up to {most:g}, "
+            f"and this one may reach {peak:g}"
+        )
+    return f"POV-Ray's pictures end at {LARGEST_HALF:g}, and this one may reach {peak:g}"
+
+
+def _faintest(scene: Scene) -> float:
+    """The largest channel of the faintest thing that shines at all."""
+    patterned = (
+        tuple(emitted * c for emitted, c in zip(material.emission, colour, strict=True))
+        for material in scene.materials.values()
+        for colour in pattern_colours(material)
     )
+    shining = (max(each) for each in (scene.view.background, *patterned, *(light.intensity for light in scene.lights)))
+    return min((most for most in shining if most > 0.0), default=1.0)
 
 
-def _lost(scene: Scene, frames: Frames, wider: tuple[float, float] = (1.0, 1.0)) -> str | None:
+def _recentred(mode: Spec) -> bool:
+    return bool(mode.integer(RECENTRE.name))
+
+
+def _lost(scene: Scene, frames: Frames, wider: tuple[float, float] = (1.0, 1.0), recentred: bool = True) -> str | None:
     """Why POV-Ray would leave out a part of the scene in one of the frames, or None; see `out_of_reach`."""
-    return next(filter(None, (out_of_reach(moment, wider) for moment in moments(scene, frames.times))), None)
+    reasons = (out_of_reach(moment, wider, recentred) for moment in moments(scene, frames.times))
+    return next(filter(None, reasons), None)
 
 
 def _write(folder: Path, request: Request, exposure: float, frames: Frames) -> None:
@@ -188,8 +227,8 @@ def _write(folder: Path, request: Request, exposure: float, frames: Frames) -> N
     scene, size = request.scene, (request.width, request.height)
     try:
         (folder / "aliascope.ini").write_text("")  # in place of the system's, which turns the display on
-        (folder / "scene.pov").write_text(scene_text(scene, size, exposure, frames))
-        for name, text in moving_texts(scene, exposure, frames):
+        (folder / "scene.pov").write_text(scene_text(scene, size, exposure, frames, _recentred(request.mode)))
+        for name, text in moving_texts(scene, exposure, frames, _recentred(request.mode)):
             (folder / name).write_text(text)
     except ValueError as error:
         raise InvalidInput(str(error)) from error
@@ -200,29 +239,37 @@ def _write(folder: Path, request: Request, exposure: float, frames: Frames) -> N
 def _check(renderer: PovRay, request: Request) -> None:
     """Raises Unsupported for a request that cannot be met."""
     mode, size = request.mode, (request.width, request.height)
-    reason = lacks(renderer, request.scene, mode) or too_long(request.scene, mode, request.time_limit)
+    reason = unable(renderer, request.scene, mode) or too_long(request.scene, mode, request.time_limit)
     if reason:
         raise Unsupported(reason)
     if request.shift != Request.shift:
         wider, higher = (1.0 + 2.0 * abs(by) / pixels for by, pixels in zip(request.shift, size, strict=True))
-        if reason := _lost(request.scene, looked_at(request.scene), (wider, higher)):
+        if reason := _lost(request.scene, looked_at(request.scene), (wider, higher), _recentred(mode)):
             raise Unsupported(reason)
     if samples_per_pixel(mode) * size[0] * size[1] > LARGEST_AREA:
         raise Unsupported(f"{mode.text} at {size[0]}x{size[1]} needs a canvas of more than {LARGEST_AREA} pixels")
 
 
-def _output_for(scene: Scene, frames: Frames) -> _Output:
+def _output_for(scene: Scene, frames: Frames, mode: Spec) -> _Output:
     """PNG, which clips to [0, 1], so at an exposure; past LARGEST_EXPOSURE EXR, whose half floats have 11 bits.
 
     Raises Unsupported where the frames come nearer to a light than those that were looked at before."""
     peak = lighting_of(scene, frames).peak
-    reason = too_bright(peak)
-    if reason:
+    if reason := too_bright(scene, peak, exposed(mode)):
         raise Unsupported(reason)
-    exposure = 2.0 ** max(0, math.ceil(math.log2(peak))) if peak > 0.0 else 1.0
-    if exposure <= LARGEST_EXPOSURE:
+    binade = math.ceil(math.log2(peak)) if peak > 0.0 else 0
+    exposure = 1.0
+    if not exposed(mode):
+        as_png = peak <= 1.0
+    else:
+        as_png = 2.0**binade <= LARGEST_EXPOSURE
+        if as_png and (peak > 1.0 or 0.0 < peak < DIM):
+            exposure = allowed_exposure(mode, 2.0**binade)
+        elif peak > LARGEST_HALF:
+            exposure = 2.0 ** (binade - 15)
+    if as_png:
         return _Output("+FN16", "png", exposure, exposure / 65535.0)
-    return _Output("+FE", "exr", 1.0, 2.0 ** (math.floor(math.log2(peak)) - 10))
+    return _Output("+FE", "exr", exposure, 2.0 ** (math.floor(math.log2(peak)) - 10))
 
 
 def _run(job: _Job, frames: int, time_limit: float, kept: bool = True) -> list[Statistics]:

@@ -51,9 +51,10 @@ def unit(vector: Vector | Array) -> Array:
     return length_1
 
 
-def world_scale(scene: Scene) -> float:
-    """The power of two that the coordinates are multiplied by. Without lights and planes it is 1."""
-    if not scene.lights and not any(isinstance(surface, Plane) for surface in scene.surfaces):
+def world_scale(scene: Scene, recentred: bool = True) -> float:
+    """The power of two that the coordinates are multiplied by. It is 1 where they go over as they are, and without
+    lights and planes."""
+    if not recentred or not (scene.lights or any(isinstance(surface, Plane) for surface in scene.surfaces)):
         return 1.0
     frame = frame_of(scene)
     extent = height = 0.0
@@ -71,14 +72,15 @@ def world_scale(scene: Scene) -> float:
     return 2.0 ** math.floor(min(exponents, default=0.0))
 
 
-def out_of_reach(scene: Scene, wider: tuple[float, float] = (1.0, 1.0)) -> str | None:
+def out_of_reach(scene: Scene, wider: tuple[float, float] = (1.0, 1.0), recentred: bool = True) -> str | None:
     """Why POV-Ray would leave out a part of the scene without a word, or None. Lengths in it are as POV-Ray has them.
 
-    wider: how many times as wide and as high as its picture what is seen may be, by a shift on the film.
+    wider: how many times as wide and as high as its picture what is seen may be, by a shift on the film. recentred:
+    whether coordinates go over relative to the eye, and scaled.
     Whole surfaces are looked at, within the view or not; a surface that runs from behind the camera to in front of it
     loses only a sliver to NEAREST and passes.
     """
-    frame, scale = frame_of(scene), world_scale(scene)
+    frame, scale = frame_of(scene), world_scale(scene, recentred)
     # A perspective ray toward a corner of the picture is longer than the depth that it reaches.
     seen = replace(frame, half_width=wider[0] * frame.half_width, half_height=wider[1] * frame.half_height)
     stretch = math.hypot(1.0, seen.half_width, seen.half_height) if frame.perspective else 1.0
@@ -93,8 +95,12 @@ def out_of_reach(scene: Scene, wider: tuple[float, float] = (1.0, 1.0)) -> str |
             if reason:
                 return reason
         low, high = (scale * depth for depth in _depths(surface, seen))
-        if high * stretch > FARTHEST:
-            return f"POV-Ray sees nothing beyond {FARTHEST:g} units, and a {surface.type} reaches {high * stretch:.3g}"
+        # No ray to a surface that ends is longer than the way to its farthest point.
+        farthest = high * stretch
+        if frame.perspective and farthest > FARTHEST:
+            farthest = min(farthest, scale * _extent(surface, frame))
+        if farthest > FARTHEST:
+            return f"POV-Ray sees nothing beyond {FARTHEST:g} units, and a {surface.type} reaches {farthest:.3g}"
         if isinstance(surface, Sphere | Plane):
             continue
         if high > 0.0 and (0.0 < low < NEAREST or high < NEAREST):

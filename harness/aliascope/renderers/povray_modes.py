@@ -9,7 +9,7 @@ import numpy as np
 from aliascope.errors import Unsupported
 from aliascope.model import AreaLight, DiscLight, LoadedMesh, Scene, SphereLight
 from aliascope.native import samplers
-from aliascope.renderers.base import DIMENSIONS
+from aliascope.renderers.base import DIMENSIONS, RECENTRE
 from aliascope.specs import Form, Key, Spec
 
 FRAME_SECONDS = 0.01
@@ -23,6 +23,12 @@ MOST_MOVED = 5_000_000
 
 ANTIALIAS_GAMMA = 2.5
 """povray compares colours to the power of 1/2.5 with its threshold; it averages them as they are."""
+
+MOST_CONTRAST = 3.0
+"""Between two colours within [0, 1], to any power, summed over RGB."""
+
+_COMPARING = ("am1", "am2")
+"""The modes that look for contrast."""
 
 GROUPS = ((2,), (2, 1), (2, 2), (2, 1, 2))
 """Those that a sample can have, with a shutter and a lens or without, but for lights: see `Needs.groups`."""
@@ -58,6 +64,15 @@ _AREA_LIGHTS = (
 )
 """Of a 5 x 5, 9 x 9 or 17 x 17 grid POV-Ray weighs the border by half, of 32 x 32 it weighs points unevenly."""
 
+EXPOSURE = Key(
+    "exposure",
+    "choice",
+    "auto",
+    "what light is divided by before POV-Ray sees it, and its picture multiplied by: auto, a power of two that brings "
+    "a bright or a dim scene within the range of its files; off, nothing: what is dim is lost below 1/65535",
+    choices=("auto", "off"),
+)
+
 
 def _sampler(spec: str) -> str:
     """The canonical form of a pattern, also of one in space and time alone, whose counts may be squares of 4. Raises
@@ -77,6 +92,8 @@ ACCUMULATE = Form(
         Key("n", "integer", 16, "frames, the samples a pixel", 1, 4096, is_count=True),
         Key("sampler", "spec", "halton", "the pattern", inner=_sampler, inner_settings=samplers.settings, named=True),
         DIMENSIONS,
+        EXPOSURE,
+        RECENTRE,
     ),
 )
 
@@ -95,26 +112,33 @@ FOCAL_BLUR = Form(
             "of what POV-Ray 3.7 does: half the aperture, and pictures 1/32 pixel off; off: as its manual reads",
             choices=("on", "off"),
         ),
+        EXPOSURE,
         *_AREA_LIGHTS,
+        RECENTRE,
     ),
 )
 
 FORMS = (
-    Form("none", "one ray through the centre of each pixel (-A)", _AREA_LIGHTS),
+    Form("none", "one ray through the centre of each pixel (-A)", (EXPOSURE, *_AREA_LIGHTS, RECENTRE)),
     Form(
         "am1",
         "a ray a pixel, compared with the left and the upper neighbour; where they differ, depth x depth more (+AM1)",
-        (_GRID_SIDE, _THRESHOLD, _JITTER, *_AREA_LIGHTS),
+        (_GRID_SIDE, _THRESHOLD, _JITTER, EXPOSURE, *_AREA_LIGHTS, RECENTRE),
     ),
     Form(
         "am2",
         "the four corners of a pixel, and between them recursively where they differ (+AM2)",
-        (_LEVELS, _THRESHOLD, _JITTER, *_AREA_LIGHTS),
+        (_LEVELS, _THRESHOLD, _JITTER, EXPOSURE, *_AREA_LIGHTS, RECENTRE),
     ),
     Form(
         "regular",
         "n = k x k rays a pixel, on a regular grid: rendered k times larger and averaged",
-        (Key("n", "integer", 16, "samples a pixel, a square number", 1, 1 << 14, is_count=True), *_AREA_LIGHTS),
+        (
+            Key("n", "integer", 16, "samples a pixel, a square number", 1, 1 << 14, is_count=True),
+            EXPOSURE,
+            *_AREA_LIGHTS,
+            RECENTRE,
+        ),
     ),
     ACCUMULATE,
     FOCAL_BLUR,
@@ -225,20 +249,42 @@ def seeded(mode: Spec) -> bool:
     return samplers.randomised(sampler, count, GROUPS[refused.index(None)] if None in refused else GROUPS[0])
 
 
+def exposed(mode: Spec) -> bool:
+    """Whether light is divided by an exposure."""
+    return mode.word(EXPOSURE.name) == "auto"
+
+
+def allowed_exposure(mode: Spec, wanted: float) -> float:
+    """The nearest exposure at or above this one, both powers of two, at which povray can be told the threshold."""
+    if mode.name in _COMPARING and _THRESHOLD.maximum < _threshold(mode, wanted) <= MOST_CONTRAST:
+        return float(2.0 ** math.ceil(ANTIALIAS_GAMMA * math.log2(mode.real("threshold") / _THRESHOLD.maximum)))
+    return wanted
+
+
 def antialiasing(mode: Spec, exposure: float) -> tuple[str, ...]:
     """The options of a mode, for a picture whose colours were divided by `exposure`: the threshold is, too.
 
-    Numbers in fixed notation: povray does not understand +A1e-07.
+    Numbers in fixed notation: povray does not understand +A1e-07. Where no two colours of the picture differ by as
+    much as the threshold, the options are those that take the first samples alone.
     """
-    if mode.name not in ("am1", "am2"):
+    if mode.name not in _COMPARING:
         return ("-A",)
-    jitter = mode.real("jitter")
+    threshold, depth, jitter = _threshold(mode, exposure), mode.integer("depth"), mode.real("jitter")
+    if threshold > MOST_CONTRAST:
+        if mode.name == "am1":
+            return ("-A",)
+        threshold, depth = _THRESHOLD.maximum, 1
     return (
         f"+{mode.name.upper()}",
-        f"+A{_fixed(mode.real('threshold') * exposure ** (-1.0 / ANTIALIAS_GAMMA))}",
-        f"+R{mode.integer('depth')}",
+        f"+A{_fixed(threshold)}",
+        f"+R{depth}",
         f"+J{_fixed(jitter)}" if jitter > 0.0 else "-J",
     )
+
+
+def _threshold(mode: Spec, exposure: float) -> float:
+    """That of a picture whose colours were divided by the exposure."""
+    return float(mode.real("threshold") * exposure ** (-1.0 / ANTIALIAS_GAMMA))
 
 
 def _fixed(x: float) -> str:

@@ -48,22 +48,34 @@ class World:
         placed: Array = self.scale * (np.asarray(point) - self.eye)
         return placed
 
+    def from_eye(self, eye: Vector | Array, offset: Array) -> Array:
+        """Where an offset (3,), in POV-Ray's units, leads from the eye; to the bit as it is where the eye is at 0."""
+        at = self.place(eye)
+        return at + offset if at.any() else offset
 
-def scene_text(scene: Scene, size: tuple[int, int], exposure: float = 1.0, frames: Frames | None = None) -> str:
+
+def scene_text(
+    scene: Scene,
+    size: tuple[int, int],
+    exposure: float = 1.0,
+    frames: Frames | None = None,
+    recentred: bool = True,
+) -> str:
     """The SDL of a scene whose features the renderer draws.
 
     size: width, height in pixels, for the aspect. exposure: what all light is divided by. frames: without them there is
     one, whose samples lie at the centres of the pixels. What moves is in a file for each frame: see `moving_texts`.
+    recentred: whether coordinates go over relative to the eye, and scaled; else they are the scene's own.
     Raises ValueError for polygons that have no triangles (see `geometry.triangulate`).
     """
     frames = frames or Frames(np.zeros((1, 2)), np.ones(1))
-    surfaces, world = surfaces_of(_standing(scene, frames)), world_of(scene, frames)
+    surfaces, world = surfaces_of(_standing(scene, frames)), world_of(scene, frames, recentred)
     names = tuple(dict.fromkeys(surface.material for surface in scene.surfaces))
     background = tuple(channel / exposure for channel in scene.view.background)
     lines = [
         "#version 3.7;",
         f"global_settings {{ assumed_gamma 1.0 adc_bailout 0{_trace_level(scene)} }}",
-        *_camera(scene, frame_of(scene, size), world.scale, frames, exposure),
+        *_camera(scene, frame_of(scene, size), world, frames, exposure),
         f"background {{ {_colour(background)} }}",
     ]
     for number, name in enumerate(names):
@@ -77,13 +89,13 @@ def scene_text(scene: Scene, size: tuple[int, int], exposure: float = 1.0, frame
     return "\n".join([*lines, *_objects(surfaces, names, world)]) + "\n"
 
 
-def moving_texts(scene: Scene, exposure: float, frames: Frames) -> Iterator[tuple[str, str]]:
+def moving_texts(scene: Scene, exposure: float, frames: Frames, recentred: bool = True) -> Iterator[tuple[str, str]]:
     """For each frame the name of a file, which the scene's text includes, and the text of what moves, where it is
     then; patterns that it takes along are materials of the frame's own."""
     if frames.times is None:
         return
     names = tuple(dict.fromkeys(surface.material for surface in scene.surfaces))
-    world = world_of(scene, frames)
+    world = world_of(scene, frames, recentred)
     moving = scene.model_copy(update={"surfaces": tuple(s for s in scene.surfaces if s.motion is not None)})
     for number, moment in enumerate(moments(moving, frames.times), 1):
         surfaces = surfaces_of(moment)
@@ -96,8 +108,10 @@ def moving_texts(scene: Scene, exposure: float, frames: Frames) -> Iterator[tupl
         yield f"{MOVING}{number}.inc", "\n".join(lines) + "\n"
 
 
-def world_of(scene: Scene, frames: Frames) -> World:
-    """The same for all frames: at the scale that cuts off least of whichever has the most to lose."""
+def world_of(scene: Scene, frames: Frames, recentred: bool = True) -> World:
+    """The same for all frames: at the scale that cuts off least of whichever has the most to lose; or the scene's."""
+    if not recentred:
+        return World(np.zeros(3), 1.0)
     return World(frame_of(scene).eye, min(world_scale(moment) for moment in moments(scene, frames.times)))
 
 
@@ -126,7 +140,7 @@ def _objects(surfaces: Surfaces, names: tuple[str, ...], world: World) -> Iterab
         yield f"plane {{ {_vector(upright)}, {_number(offset)} texture {{ Material_{index[number]} }} }}"
 
 
-def _camera(scene: Scene, frame: Frame, scale: float, frames: Frames, exposure: float) -> list[str]:
+def _camera(scene: Scene, frame: Frame, world: World, frames: Frames, exposure: float) -> list[str]:
     """The camera; of several frames, the one of the frame's number.
 
     Through a point of the lens the camera looks from there, its picture skewed so that what is in focus stays.
@@ -134,21 +148,23 @@ def _camera(scene: Scene, frame: Frame, scale: float, frames: Frames, exposure: 
     axes = np.array([frame.right, frame.up])
     steps = frames.shifts * np.array([2.0 * frame.half_width / frame.width, -2.0 * frame.half_height / frame.height])
     if not frame.perspective:
-        steps = scale * steps
+        steps = world.scale * steps
     places = None
     if frames.lens is not None:
         assert scene.camera.focus_distance is not None
         steps = steps - frames.lens / scene.camera.focus_distance
-        places = scale * frames.lens @ axes
+        places = world.scale * frames.lens @ axes
     lines: list[str] = []
     shift = _chosen(lines, "Shift", np.array([right * frame.right + up * frame.up for right, up in steps]))
     direction = _vector(frame.forward)
-    sides = 1.0 if frame.perspective else scale
+    sides = 1.0 if frame.perspective else world.scale
+    eye = world.place(frame.eye)
+    away = f"{_vector(eye)} + " if eye.any() else ""
     if frame.perspective:
         location = "0" if places is None else _chosen(lines, "Lens", places)
-        aim = f"perspective location {location} direction {direction} + {shift}"
+        aim = f"perspective location {away}{location} direction {direction} + {shift}"
     else:
-        aim = f"orthographic location {shift} direction {direction}"
+        aim = f"orthographic location {away}{shift} direction {direction}"
     wider, higher = (
         1.0 + abs(more) / count for more, count in zip(frames.further, (frame.width, frame.height), strict=True)
     )
@@ -156,19 +172,19 @@ def _camera(scene: Scene, frame: Frame, scale: float, frames: Frames, exposure: 
     upward = 2.0 * sides * higher * frame.half_height * frame.up
     aim += f" right {_vector(across)} up {_vector(upward)}"
     if frames.blur:
-        aim += _focal_blur(scene, frame, scale, frames.blur, exposure)
+        aim += _focal_blur(scene, frame, world, frames.blur, exposure)
     lines.append(f"camera {{ {aim} }}")
     return lines
 
 
-def _focal_blur(scene: Scene, frame: Frame, scale: float, blur: FocalBlur, exposure: float) -> str:
+def _focal_blur(scene: Scene, frame: Frame, world: World, blur: FocalBlur, exposure: float) -> str:
     """The camera's statements; the variance is that of colours as POV-Ray sees them, divided by the exposure."""
     camera = scene.camera
     assert camera.lens_radius is not None
     assert camera.focus_distance is not None
     return (
-        f" aperture {_number(scale * blur.aperture * camera.lens_radius)}"
-        f" focal_point {_vector(scale * camera.focus_distance * frame.forward)}"
+        f" aperture {_number(world.scale * blur.aperture * camera.lens_radius)}"
+        f" focal_point {_vector(world.from_eye(frame.eye, world.scale * camera.focus_distance * frame.forward))}"
         f" blur_samples {blur.samples} confidence {_number(blur.confidence)}"
         f" variance {_number(blur.variance / exposure**2)}"
     )
@@ -190,14 +206,16 @@ def _frame_number(count: int) -> str:
 
 def _lights(scene: Scene, exposure: float, world: World, frames: Frames) -> Iterable[str]:
     fades = lighting_of(scene, frames).fade_distances
+    eye = world.place(scene.camera.eye)
+    looked_from = _vector(eye) if eye.any() else "0"
     for number, (light, fade) in enumerate(zip(scene.lights, fades, strict=True)):
         lines: list[str] = []
         points = frames.lights[number] if frames.lights else None
         share, divisor, more = points.share if points else 1.0, 1.0, ""
         match light:
             case DirectionalLight(direction=direction):
-                place = _vector(-LIGHT_DISTANCE * unit(direction))
-                more = " parallel point_at 0"
+                place = _vector(world.from_eye(scene.camera.eye, -LIGHT_DISTANCE * unit(direction)))
+                more = f" parallel point_at {looked_from}"
             case PointLight(position=position):
                 place = _vector(world.place(position))
             case AreaLight(corner=corner, edges=edges) if points is None:

@@ -66,5 +66,5 @@ function paretoFront(rows, metric, costOf = (row) => row.cpu) {
 function metricText(row, metric) {
   const [value, error] = estimateOf(row, metric.name);
   const unit = metric.unit ? ` ${metric.unit}` : "";
-  return `${metric.label} ${estimated(value, error)}${error === null ? "" : ` ${uncertainty(value, error)}`}${unit}`;
+  return `${metric.label} ${estimated(value, error)}${error === null ? "" : ` ${uncertainty(value, error).replace(" ", "\u00a0")}`}${unit}`;
 }

@@ -6,7 +6,7 @@ const howNames = { measured: "measured", between: "between two modes", extrapola
 /** The tabs that there is something for. */
 function tabsOfTrade() {
   const some = (key) => Object.values(trade.scenes).some((scene) => scene[key].length);
-  const has = { error: some("reach"), time: some("afford"), rate: some("convergence"), scenes: trade.ratios.length > 0, knobs: trade.knobs.length > 0 };
+  const has = { error: some("reach"), time: some("afford"), rate: some("convergence"), scenes: trade.ratios.length > 0 && Object.keys(trade.scenes).length > 1, knobs: trade.knobs.length > 0 };
   return tradeTabs.filter((tab) => has[tab]);
 }
 

@@ -33,7 +33,8 @@ def trade_json(trade: Trade) -> dict[str, Json]:
 
 
 def _front(modes: Iterable[OnFront]) -> dict[str, float]:
-    return {f"{one.renderer} {one.mode}": round(one.probability, 3) for one in modes}
+    """Those that are known."""
+    return {f"{one.renderer} {one.mode}": round(one.probability, 3) for one in modes if one.known}
 
 
 def _scene(scene: SceneTrade) -> dict[str, Json]:

@@ -30,8 +30,9 @@ def front(points: Points) -> tuple[OnFront, ...]:
     if not points.rows:
         return ()
     probability = undominated(points.times, points.errors).mean(axis=1)
+    known = _known(points)
     return tuple(
-        OnFront(points.rows[i].renderer, points.rows[i].mode, float(probability[i]))
+        OnFront(points.rows[i].renderer, points.rows[i].mode, float(probability[i]), bool(known[i]))
         for i in np.lexsort((points.time, -probability))
     )
 
@@ -47,5 +48,11 @@ def front_over(scenes: Sequence[Points]) -> tuple[OnFront, ...]:
     times = np.mean([np.exp(own.times[i]) for own, i in zip(scenes, picked, strict=True)], axis=0)
     squares = np.mean([np.exp(2.0 * own.errors[i]) for own, i in zip(scenes, picked, strict=True)], axis=0)
     probability = undominated(times, squares).mean(axis=1)
+    known = np.any([_known(own)[i] for own, i in zip(scenes, picked, strict=True)], axis=0)
     order = np.lexsort((times.mean(axis=1), -probability))
-    return tuple(OnFront(common[i][0], common[i][1], float(probability[i])) for i in order)
+    return tuple(OnFront(common[i][0], common[i][1], float(probability[i]), bool(known[i])) for i in order)
+
+
+def _known(points: Points) -> NDArray[np.bool_]:
+    """Whether the spread of a mode's time or error is known."""
+    return ~(np.isnan(points.time_spread.standard_error) & np.isnan(points.error_spread.standard_error))

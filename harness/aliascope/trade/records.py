@@ -20,11 +20,13 @@ class Interval:
 
 @dataclass(frozen=True)
 class OnFront:
-    """How probable it is that no other mode is both faster and better, given what is not known of times and errors."""
+    """How probable it is that no other mode is both faster and better, given what is not known of times and errors.
+    Not `known` where no spread is known of the mode's time nor of its error, as of one timed run of one picture."""
 
     renderer: str
     mode: str
     probability: float
+    known: bool = True
 
 
 How = Literal["measured", "between", "extrapolated", "cannot"]
