@@ -22,7 +22,7 @@ ASC_VECTORISE static void turn_toward(const emitter_places *restrict places, con
     const double point[3] = {places->point.row[0][i], places->point.row[1][i], places->point.row[2][i]};
     const double facing[3] = {places->normal.row[0][i], places->normal.row[1][i], places->normal.row[2][i]};
     const double normal[3] = {met->normal.row[0][i], met->normal.row[1][i], met->normal.row[2][i]};
-    const double lift = meeting_lift(point, places->slack.of[i]);
+    const double lift = larger(meeting_lift(point, places->slack.of[i]), places->least_lift.of[i]);
     double way[3];
     for (int k = 0; k < 3; k++) way[k] = point[k] + facing[k] * lift - met->lifted.row[k][i];
     const double distance = sqrt(dot(way, way)), length = distance > 0.0 ? distance : 1.0;

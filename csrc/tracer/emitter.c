@@ -191,6 +191,7 @@ static void set_shining(const tracer *made, const emitter *from, const asc_motio
                         const double point[3], uint32_t lane, emitter_places *chosen, patterned *to) {
   const asc_material *material = &made->materials[made->material_of[from->of.kind][from->of.number]];
   chosen->slack.of[lane] = 0.0;
+  chosen->least_lift.of[lane] = meeting_least_lift_of(made, from->of);
   set_lane(&chosen->radiance, lane, material->emission);
   if (!motion && material->pattern.kind == ASC_PATTERN_NONE) return;
   double rest[3] = {point[0], point[1], point[2]};

@@ -21,8 +21,9 @@ asc_status emitter_take(tracer *made, const asc_scene *scene, asc_error *error);
 typedef struct emitter_places {
   vectors point, normal; /* the normal toward the one who sees it */
   vectors radiance;
-  scalars slack;   /* how far Embree's surface may be off, as meeting.h has it */
-  scalars density; /* of being chosen, over the solid angle it is seen under; 0 where it is seen edge-on */
+  scalars slack;      /* how far Embree's surface may be off, as meeting.h has it */
+  scalars least_lift; /* as meeting.h has it */
+  scalars density;    /* of being chosen, over the solid angle it is seen under; 0 where it is seen edge-on */
 } emitter_places;
 
 /* The places that u chooses; `there`: bits, the lanes that ask for one. Of others the density is 0. */

@@ -145,6 +145,7 @@ void meeting_colours(const tracer *made, const asc_material *const material[PACK
 typedef struct search {
   alignas(64) double offset[PACKET]; /* of their planes, where `meetings` has the normals; both 0 where there is none */
   alignas(64) double slack[PACKET];
+  alignas(64) double least_lift[PACKET];
   vectors rest;    /* of the lanes that are in `others` alone */
   int one;         /* whether all lanes meet the same surface, which is flat and stands still */
   uint32_t others; /* bits: lanes that meet what is round or moves */
@@ -163,6 +164,7 @@ static void take_surface(const tracer *made, surface of, uint32_t lane, meetings
   met->of[lane] = of;
   met->material[lane] = material_of(made, of);
   to->slack[lane] = 0.0;
+  to->least_lift[lane] = meeting_least_lift_of(made, of);
   if (!is_flat_and_still(made, of)) {
     to->others |= bit;
     return;
@@ -185,11 +187,13 @@ static void set_material(const tracer *made, uint32_t lane, meetings *met) {
 /* The same flat surface for all lanes. */
 static void take_one(const tracer *made, surface of, meetings *met, search *to) {
   const plane facing = *plane_of_flat(made, of);
+  const double least_lift = meeting_least_lift_of(made, of);
   const asc_material *one = material_of(made, of), material = *one;
   for (uint32_t lane = 0; lane < PACKET; lane++) {
     met->of[lane] = of;
     met->material[lane] = one;
     to->slack[lane] = 0.0;
+    to->least_lift[lane] = least_lift;
     to->offset[lane] = facing.offset;
     set_lane(&met->normal, lane, facing.normal);
     set_lane(&met->albedo, lane, material.albedo);
@@ -224,7 +228,7 @@ static int take_embrees(const tracer *made, const packet *rays, meetings *met, s
     }
     met->material[lane] = NULL;
     met->normal.row[0][lane] = met->normal.row[1][lane] = met->normal.row[2][lane] = 0.0;
-    to->offset[lane] = to->slack[lane] = met->distance[lane] = 0.0;
+    to->offset[lane] = to->slack[lane] = to->least_lift[lane] = met->distance[lane] = 0.0;
   }
   return any != 0;
 }
@@ -277,7 +281,7 @@ ASC_VECTORISE static void set_points(const packet *restrict rays, const search *
     const double side = dot(normal, direction) > 0.0 ? -1.0 : 1.0;
     double point[3];
     for (int i = 0; i < 3; i++) point[i] = rays->origin.row[i][lane] + met->distance[lane] * direction[i];
-    const double lift = meeting_lift(point, with->slack[lane]);
+    const double lift = larger(meeting_lift(point, with->slack[lane]), with->least_lift[lane]);
     for (int i = 0; i < 3; i++) {
       const double facing = normal[i] * side;
       met->normal.row[i][lane] = facing;

@@ -57,6 +57,18 @@ static inline double meeting_lift(const double point[3], double slack) {
   return 16.0 * FLT_EPSILON * largest + 2.0 * slack;
 }
 
+/* What of the size of a surface that is held whole, near which a point may lie much nearer to the origin than the rest
+ * of it: Embree has it to some roundings of its largest coordinate. */
+static inline double meeting_least_lift(const double centre[3], double radius) {
+  double largest = 0.0;
+  for (int i = 0; i < 3; i++) largest = larger(largest, fabs(centre[i]));
+  return 8.0 * FLT_EPSILON * (largest + radius);
+}
+
+static inline double meeting_least_lift_of(const tracer *made, surface of) {
+  return made->least_lift[of.kind] ? made->least_lift[of.kind][of.number] : 0.0;
+}
+
 /* Whether an endless plane lies on the way. */
 int meeting_planes_block(const tracer *made, double time, const double origin[3], const double toward[3],
                          double distance);

@@ -5,6 +5,7 @@
 
 #include "frames.h"
 #include "geometry.h"
+#include "meeting.h"
 
 #define WHOLE_TURN (2.0 * 3.14159265358979323846 * (1.0 + 1e-12)) /* given in degrees, it is rounded */
 
@@ -65,7 +66,9 @@ static asc_status take_discs(tracer *made, const asc_scene *scene, asc_error *er
   asc_status status = take_indices(made, DISCS, &scene->discs[0].material, sizeof(asc_disc), count, error);
   if (status) return status;
   made->disc_planes = malloc(count * sizeof *made->disc_planes);
-  if (!made->disc_planes) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu discs", count);
+  made->least_lift[DISCS] = malloc(count * sizeof(double));
+  if (!made->disc_planes || !made->least_lift[DISCS])
+    return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu discs", count);
   for (size_t i = 0; i < count; i++) {
     const asc_disc *disc = &scene->discs[i];
     double centre[3], normal[3];
@@ -77,6 +80,7 @@ static asc_status take_discs(tracer *made, const asc_scene *scene, asc_error *er
     plane *facing = &made->disc_planes[i];
     for (size_t axis = 0; axis < 3; axis++) facing->normal[axis] = normal[axis] / length;
     facing->offset = dot(facing->normal, centre);
+    made->least_lift[DISCS][i] = meeting_least_lift(centre, 2.0 * disc->radius); /* Embree has a triangle about it */
   }
   return geometry_take(made, scene, DISCS, count, error);
 }
@@ -87,11 +91,14 @@ static asc_status take_spheres(tracer *made, const asc_scene *scene, asc_error *
   asc_status status = take_indices(made, SPHERES, &scene->spheres[0].material, sizeof(asc_sphere), count, error);
   if (status) return status;
   made->balls = malloc(count * sizeof *made->balls);
-  if (!made->balls) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu spheres", count);
+  made->least_lift[SPHERES] = malloc(count * sizeof(double));
+  if (!made->balls || !made->least_lift[SPHERES])
+    return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu spheres", count);
   for (size_t i = 0; i < count; i++) {
     ball *made_ball = &made->balls[i];
     tracer_to_camera(&made->view, scene->spheres[i].centre, made_ball->centre);
     made_ball->radius = scene->spheres[i].radius;
+    made->least_lift[SPHERES][i] = meeting_least_lift(made_ball->centre, made_ball->radius);
     if (!finite3(made_ball->centre) || !(made_ball->radius > 0.0) || !isfinite(made_ball->radius))
       return asc_fail(error, ASC_INVALID_ARGUMENT, "sphere %zu is not finite, or has no radius", i);
   }

@@ -77,6 +77,7 @@ struct tracer {
   uint32_t *material_of[GEOMETRY_KINDS]; /* by primitive */
   plane *triangle_planes;                /* only where shading needs the point that is hit, else NULL */
   plane *disc_planes;
+  double *least_lift[GEOMETRY_KINDS]; /* by disc and ball, which are held whole: meeting.h; NULL of others */
   ball *balls;
   plane *planes;
   size_t plane_count;

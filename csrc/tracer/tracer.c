@@ -104,6 +104,7 @@ void tracer_destroy(tracer *made) {
     free(made->material_of[kind]);
     free(made->motion_of[kind]);
     free(made->emitter_of[kind]);
+    free(made->least_lift[kind]);
   }
   for (size_t i = 0; i < made->part_count; i++) free(made->parts[i].members);
   free(made->parts);

@@ -213,6 +213,31 @@ static void triangles_larger_than_far_keep_their_edges(void **state) {
     }
 }
 
+/* A ball and a disc under the eye, so large that float knows neither to where the eye is above them: they are lit all
+ * over, but near the horizon, where the ball's normal is not upward enough to say. */
+static void large_balls_and_discs_do_not_shadow_themselves(void **state) {
+  (void)state;
+  const asc_material chalk = {.albedo = {1, 1, 1}};
+  const asc_light sun = {.kind = ASC_LIGHT_DIRECTIONAL, .place = {0, -1, 0}, .intensity = {1, 1, 1}};
+  static float pixels[VALUES];
+  for (int power = 2; power < 6; power++)
+    for (int kind = 0; kind < 2; kind++) {
+      const double radius = pow(10.0, power);
+      const asc_sphere ball = {{0, -1 - radius, 0}, radius, 0};
+      const asc_disc disc = {{0, -1, 0}, {0.1, 1, 0.07}, radius, 0};
+      asc_scene scene = of_triangles(view_along_z(ASC_PERSPECTIVE, 1.0, 0.0), NULL, NULL, 0, &chalk, 1);
+      scene.spheres = &ball;
+      scene.sphere_count = kind == 0;
+      scene.discs = &disc;
+      scene.disc_count = kind == 1;
+      scene.lights = &sun;
+      scene.light_count = 1;
+      draw(&scene, pixels);
+      for (size_t i = 3 * (size_t)SIDE * (SIDE / 2 + 6); i < VALUES; i++)
+        if (!(pixels[i] > 0.95f)) fail_msg("radius %g, kind %d: %g", radius, kind, (double)pixels[i]);
+    }
+}
+
 /* Fewer than one in a hundred of PIECES_MOST for any triangle through or near the eye: it ends. */
 static void triangles_through_the_eye_are_drawn(void **state) {
   (void)state;
@@ -330,6 +355,7 @@ int main(void) {
       cmocka_unit_test(without_the_switch_what_is_far_away_is_lost),
       cmocka_unit_test(from_far_away_depths_are_told_apart),
       cmocka_unit_test(triangles_larger_than_far_keep_their_edges),
+      cmocka_unit_test(large_balls_and_discs_do_not_shadow_themselves),
       cmocka_unit_test(triangles_through_the_eye_are_drawn),
       cmocka_unit_test(checks_that_begin_far_away_keep_their_places),
       cmocka_unit_test(rays_through_corners_are_not_lost),

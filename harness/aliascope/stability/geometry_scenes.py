@@ -87,6 +87,25 @@ def road(far: float) -> tuple[Scene, Truth]:
     return made(perspective(90.0), [polygon("chalk", *points)], lit=True), truth
 
 
+def planet(radius: float) -> tuple[Scene, Truth]:
+    """A ball whose top is 1 under the eye, under the sun."""
+    ball = Sphere(type="sphere", material="chalk", centre=(0.0, -1.0 - radius, 0.0), radius=radius)
+
+    def truth(u: Array, v: Array) -> Array:
+        """In the precision of np.longdouble; the nearer root as the quotient by the farther, which cancels nothing."""
+        size, way = np.longdouble(radius), np.stack([u, v, -np.ones(u.shape)]).astype(np.longdouble)
+        centre = np.array([0.0, -1.0 - size, 0.0]).reshape(3, 1, 1, 1)
+        toward = (way * centre).sum(axis=0)
+        inside = toward**2 - (way * way).sum(axis=0) * (2.0 * size + 1.0)
+        far = toward + np.sqrt(np.maximum(inside, 0.0))
+        seen = (inside > 0.0) & (toward > 0.0)
+        normal = ((2.0 * size + 1.0) / np.where(seen, far, 1.0) * way - centre) / size
+        cosine = -(normal * np.array(SUN).reshape(3, 1, 1, 1)).sum(axis=0)
+        return np.asarray(np.where(seen, np.maximum(cosine, 0.0), 0.0), np.float64)
+
+    return made(perspective(90.0), [ball], lit=True), truth
+
+
 def grazed(elevation: float) -> tuple[Scene, Truth]:
     """A plate from -1 to 1 in x and z, of checks 1/4 wide, seen from `elevation` degrees above its plane, so near that
     it fills five sixths of the picture."""
