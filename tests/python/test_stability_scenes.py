@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from aliascope import scene_io
 from aliascope.errors import InvalidInput
 from aliascope.model import LoadedMesh, Scene
 from aliascope.native.tracer import Tracer
+from aliascope.stability.geometry_scenes import ball_on_a_floor, perspective
 from aliascope.stability.scenes import moved, scaled
 
 SIZE = (24, 18)
@@ -28,6 +31,20 @@ def test_by_powers_of_two_what_is_seen_stays(name: str) -> None:
     np.testing.assert_array_equal(picture(scaled(scene, 0.25)), still)
     there = picture(moved(scene, (1024.0, -512.0, 2048.0)))
     assert np.mean(np.abs(there - still) > 1e-5 * np.abs(still).max()) < 0.01
+
+
+@given(power=st.integers(-90, 90), away=st.tuples(*(3 * (st.integers(-(2**40), 2**40),))))
+@settings(max_examples=25, deadline=None, derandomize=True)
+def test_at_any_scale_and_place_that_rounds_nothing_no_bit_changes(power: int, away: tuple[int, int, int]) -> None:
+    """Corners are multiples of 2^-4, which sums up to 2^41 hold; the ball is to be seen."""
+    scene, _ = ball_on_a_floor(perspective(60.0, (0.0, 3.0, 4.0), (0.0, 0.0, 0.0)))
+    surfaces = (scene.surfaces[0], scene.surfaces[1].model_copy(update={"centre": (0.0, 0.0625, 0.0)}))
+    still = scene.model_copy(update={"surfaces": surfaces})
+    here = picture(still)
+    assert np.ptp(here) > 0.5
+    x, y, z = away
+    np.testing.assert_array_equal(picture(moved(still, (float(x), float(y), float(z)))), here)
+    np.testing.assert_array_equal(picture(scaled(still, 2.0**power)), here)
 
 
 def test_back_again_it_is_the_scene() -> None:
