@@ -63,7 +63,7 @@ def _constant(at: float) -> Pair:
 
 def _colours(at: float) -> Pair:
     """Pictures of one colour each, about 0.3 and so much brighter, in unequal channels."""
-    reference = np.float32([0.31, 0.27, 0.35])
+    reference = np.array([0.31, 0.27, 0.35], np.float32)
     image = (reference + at * np.array([1.0, 0.7, 0.4])).astype(np.float32)
     return np.tile(image, (SIDE, SIDE, 1)), np.tile(reference, (SIDE, SIDE, 1))
 
@@ -273,6 +273,7 @@ def probes() -> list[Probe]:
             functools.partial(_error, name, pictures, truth),
             levels[-1:] if name != "ssim" or extreme == "huge" else (),
             "" if own else "NVIDIA's package computes in float32, and shows no light above 1.",
+            theirs=not own,
         )
 
     found = []
