@@ -60,6 +60,19 @@ class Interrupted(AliascopeError):
     exit_code = 130
 
 
+def whole(value: int, what: str, least: int, most: int) -> int:
+    """A whole number within its range, which C would otherwise take for another. Raises InvalidInput."""
+    if not least <= value <= most:
+        raise InvalidInput(f"{what} is from {least} to {_power(most)}, not {value}")
+    return value
+
+
+def _power(number: int) -> str:
+    """As 2^64 - 1 where it is one less than a large power of two."""
+    bits = number.bit_length()
+    return f"2^{bits} - 1" if bits > 16 and number + 1 == 1 << bits else str(number)
+
+
 def near_misses(word: str, known: Iterable[str]) -> str:
     """The tail of an error about an unknown word: `; did you mean "x"?`, or the list of what is known."""
     names = sorted(set(known))

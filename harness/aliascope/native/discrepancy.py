@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from aliascope.errors import InvalidInput
+from aliascope.errors import InvalidInput, whole
 from aliascope.native.loading import check, error_box, keys, module, text
 
 CERTAINTIES = ("exact", "bounds", "estimated")
@@ -68,7 +68,7 @@ def measure(spec: str, points: ArrayLike, seed: int = 0) -> Measured:
     encoded = library.ffi.new("char[]", spec.encode())
     desc = library.ffi.new("asc_discrepancy_desc *")
     desc.struct_size = library.ffi.sizeof("asc_discrepancy_desc")
-    desc.spec, desc.seed = encoded, seed
+    desc.spec, desc.seed = encoded, whole(seed, "a seed", 0, 2**64 - 1)
     desc.points = library.ffi.from_buffer("double[]", given.reshape(-1))
     desc.count, desc.dimensions = given.shape
     made, box = library.ffi.new("asc_measurement *"), error_box(library.ffi)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from aliascope.errors import InvalidInput, Unsupported
+from aliascope.errors import InvalidInput, Unsupported, whole
 from aliascope.native import loading
 from aliascope.native.loading import check, error_box, keys, module, text
 from aliascope.native.samplers import Dimensions, Sampler
@@ -250,6 +250,8 @@ class Estimator:
         x, y, columns, rows = group
         if min(columns, rows) < 1:
             raise InvalidInput(f"a group has one pixel or more, not {columns} x {rows}")
+        for place in (x, y, x + columns - 1, y + rows - 1):
+            whole(place, "a pixel's place", -(2**31), 2**31 - 1)
         means = np.empty((rows, columns, self.channels))
         made = Estimates(
             means, np.empty_like(means), np.empty((rows, columns)), np.empty((rows, columns), np.uint64), 0

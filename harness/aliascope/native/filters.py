@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from aliascope.errors import InvalidInput
 from aliascope.native import loading
 from aliascope.native.loading import check, error_box, keys, module, text
 
@@ -48,7 +49,9 @@ class Filter:
         return float(self._library.lib.asc_filter_radius(self.handle))
 
     def evaluate(self, x: ArrayLike) -> NDArray[np.float64]:
-        """The profile at x, of x's shape; zero for x < -radius and x >= radius."""
+        """The profile at x, of x's shape; zero for x < -radius and x >= radius. Raises InvalidInput for NaN."""
+        if np.isnan(x).any():
+            raise InvalidInput(f"position {int(np.isnan(x).argmax())} of those to evaluate {self.spec} at is nan")
         return self._mapped(self._library.lib.asc_filter_evaluate, x)
 
     def response(self, frequencies: ArrayLike) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aliascope.errors import JobFailed, SpecError, Unsupported, near_misses
+from aliascope.errors import JobFailed, SpecError, Unsupported, near_misses, whole
 from aliascope.native import loading
 from aliascope.native.loading import check, error_box, keys, module, text
 
@@ -47,11 +47,15 @@ class Sampler:
     ) -> None:
         library = _library()
         encoded = library.ffi.new("char[]", spec.encode())
+        whole(samples, "a number of samples", 0, 2**64 - 1)
+        whole(seed, "a seed", 0, 2**64 - 1)
         groups = (dimensions,) if isinstance(dimensions, int) else tuple(dimensions)
         if arrangement not in ARRANGEMENTS:
             raise SpecError(
                 f'unknown arrangement of dimensions "{arrangement}"{near_misses(arrangement, ARRANGEMENTS)}'
             )
+        for size in groups:
+            whole(size, "a number of dimensions", 1, 2**32 - 1)
         sizes = library.ffi.new("uint32_t[]", groups)
         desc = library.ffi.new("asc_arrangement_desc *")
         desc.struct_size = library.ffi.sizeof("asc_arrangement_desc")
@@ -68,9 +72,14 @@ class Sampler:
         """Samples [first, first + count) of a pixel: (count, dimensions) float64 in [0, 1). Raises JobFailed where a
         plugin's are not."""
         library = self._library
-        made = np.empty((count, self.dimensions))
+        whole(first, "an index", 0, 2**64 - 1)
+        for place in pixel:
+            whole(place, "a pixel's place", -(2**31), 2**31 - 1)
+        made = np.empty((whole(count, "a number of points", 0, 2**53), self.dimensions))
         span = library.ffi.new("asc_range *", [*pixel, first, count, 0, self.dimensions])
         status = library.lib.asc_sampler_fill(self.handle, span, library.ffi.from_buffer("double[]", made))
+        if status == library.lib.ASC_UNSUPPORTED:
+            raise Unsupported(f"{self.spec} has no points {first} to {first + count - 1}: its indices end before")
         if status == library.lib.ASC_OUT_OF_RANGE:
             sample, dimension = (int(i) for i in np.argwhere(~((made >= 0.0) & (made < 1.0)))[0])
             raise JobFailed(
@@ -83,7 +92,8 @@ class Sampler:
     def weights(self, count: int, first: int = 0) -> NDArray[np.float64]:
         """(count,) float64: those of a quadrature rule, else 1/N."""
         library = self._library
-        made = np.empty(count)
+        whole(first, "an index", 0, 2**64 - 1)
+        made = np.empty(whole(count, "a number of points", 0, 2**53))
         buffer = library.ffi.from_buffer("double[]", made)
         check(library, library.lib.asc_sampler_weights(self.handle, first, count, buffer))
         return made

@@ -26,6 +26,10 @@ def _rows(values: ArrayLike, columns: int) -> NDArray[np.float64]:
     rows = np.ascontiguousarray(values, np.float64)
     if rows.ndim != 2 or rows.shape[1] != columns:
         raise InvalidInput(f"a warp takes an array of shape (n, {columns}); this one is {rows.shape}")
+    nowhere = np.isnan(rows).any(axis=1)
+    if nowhere.any():
+        row = int(nowhere.argmax())
+        raise InvalidInput(f"row {row} of what a warp is given is nowhere: {', '.join(map(str, rows[row].tolist()))}")
     return rows
 
 

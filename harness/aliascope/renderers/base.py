@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
 from aliascope.draws import UNMOVED, checked
-from aliascope.model import Scene
+from aliascope.errors import InvalidInput, whole
+from aliascope.model import LARGEST_SIDE, Scene
 from aliascope.native import samplers
 from aliascope.placement import placed
 from aliascope.records import Rendering
+from aliascope.renderers import limits
 from aliascope.specs import Form, Key, Spec
 
 LEAST_SECONDS = 0.1
@@ -52,7 +55,7 @@ class Request:
     `shift`: pixels to the right and down by which all that is seen is moved on the film: pixel (x, y) covers
     [x - right, x + 1 - right) x [y - down, y + 1 - down) of the picture without it. The eye stays where it is, and so
     does what is in focus; samples stay where they are in their pixels. Raises InvalidInput beyond
-    `draws.LARGEST_SHIFT`.
+    `draws.LARGEST_SHIFT`, and for a size, seed, number of threads or time that there is not.
     """
 
     scene: Scene
@@ -67,6 +70,14 @@ class Request:
 
     def __post_init__(self) -> None:
         checked(self.shift)
+        if not (1 <= self.width <= LARGEST_SIDE and 1 <= self.height <= LARGEST_SIDE):
+            raise InvalidInput(f"a picture has 1 to {LARGEST_SIDE} pixels a side, not {self.width} x {self.height}")
+        whole(self.seed, "a seed", 0, 2**64 - 1)
+        whole(self.threads, "a number of threads", 0, 2**32 - 1)
+        if not 0.0 <= self.least_seconds < math.inf:
+            raise InvalidInput(f"the least time of rendering is 0 s or more, not {self.least_seconds:g} s")
+        if not self.time_limit > 0.0:
+            raise InvalidInput(f"a time limit is more than 0 s, not {self.time_limit:g} s")
 
 
 class Renderer(Protocol):
@@ -116,7 +127,14 @@ def filter_of(mode: Spec) -> str:
 
 
 def lacks(renderer: Renderer, scene: Scene, mode: Spec) -> str | None:
-    """The reason for an empty cell: the features of the scene that the renderer does not draw, or the mode's own."""
+    """The reason for an empty cell: the features of the scene that the renderer does not draw, the mode's own, or a
+    measured limit past which its pictures are not right."""
+    as_they_are = RECENTRE.name in mode.values and not mode.integer(RECENTRE.name)
+    return unable(renderer, scene, mode) or limits.beyond(renderer.name, scene, as_they_are)
+
+
+def unable(renderer: Renderer, scene: Scene, mode: Spec) -> str | None:
+    """Why the renderer would not draw the scene at all: what it draws past its measured limits, it draws wrong."""
     missing = sorted(scene.features() - renderer.draws)
     if missing:
         why = [f" ({renderer.absent[name]})" if name in renderer.absent else "" for name in missing]
