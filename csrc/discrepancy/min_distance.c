@@ -97,6 +97,12 @@ static void build(pair_search *search, uint32_t level, size_t place) {
   build(search, level + 1, 2 * place + 1);
 }
 
+/* How far it is from the larger coordinate over the border to the smaller one: each of the two is near the border,
+ * where their difference would lose what is small. */
+static double the_other_way(const pair_search *search, double larger, double smaller) {
+  return (search->period - larger) + smaller;
+}
+
 /* Squared: no two points of two nodes are closer. */
 static double boxes_apart(const pair_search *search, size_t a, size_t b) {
   const uint32_t dimensions = search->dimensions;
@@ -107,7 +113,8 @@ static double boxes_apart(const pair_search *search, size_t a, size_t b) {
     const int a_below = a_most[d] < b_least[d], b_below = b_most[d] < a_least[d];
     if (!a_below && !b_below) continue;
     const double across = a_below ? b_least[d] - a_most[d] : a_least[d] - b_most[d];
-    const double around = search->period - (a_below ? b_most[d] - a_least[d] : a_most[d] - b_least[d]);
+    const double around =
+        a_below ? the_other_way(search, b_most[d], a_least[d]) : the_other_way(search, a_most[d], b_least[d]);
     const double gap = across < around ? across : around;
     sum += gap * gap;
   }
@@ -117,7 +124,8 @@ static double boxes_apart(const pair_search *search, size_t a, size_t b) {
 static void compare_points(pair_search *search, const double *a, const double *b) {
   double sum = 0.0;
   for (uint32_t d = 0; d < search->dimensions; d++) {
-    const double across = fabs(a[d] - b[d]), around = search->period - across;
+    const double across = fabs(a[d] - b[d]);
+    const double around = a[d] > b[d] ? the_other_way(search, a[d], b[d]) : the_other_way(search, b[d], a[d]);
     const double apart = across < around ? across : around;
     sum += apart * apart;
   }

@@ -77,8 +77,8 @@ static void add_side(terms *of, place a, place b) {
 
 /* A corner in pixels; rounding may have put it a little outside the support. */
 static place place_of(const asc_voronoi *diagram, uint32_t site, const asc_corner *corner, double radius) {
-  const double x = diagram->step * ((double)diagram->places[site].x + corner->x);
-  const double y = diagram->step * ((double)diagram->places[site].y + corner->y);
+  const double x = diagram->step * ((double)diagram->places[site].x + (diagram->rests[site].x + corner->x));
+  const double y = diagram->step * ((double)diagram->places[site].y + (diagram->rests[site].y + corner->y));
   return (place){fmax(fmin(x, radius), -radius), fmax(fmin(y, radius), -radius)};
 }
 

@@ -23,6 +23,11 @@ static double gaussian_primitive(const double *values, double x) {
   return values[SIGMA] * root_half_pi * erf(x / values[SIGMA] * root_half);
 }
 
+static double gaussian_tail(const double *values, double x) {
+  const double root_half_pi = 1.25331413731550025, across = root_half / values[SIGMA];
+  return values[SIGMA] * root_half_pi * (erfc(x * across) - erfc(values[RADIUS] * across));
+}
+
 static const asc_parameter gaussian_parameters[] = {
     [RADIUS] = ASC_RADIUS_PARAMETER(1.5),
     [SIGMA] = {"sigma", ASC_REAL, NULL, 0.1, 8, 0.5, "the standard deviation, in pixels, of the whole Gaussian"},
@@ -39,4 +44,5 @@ const asc_filter_interface asc_filter_gaussian = {
     .pieces = gaussian_pieces,
     .evaluate = gaussian_evaluate,
     .primitive = gaussian_primitive,
+    .tail = gaussian_tail,
 };

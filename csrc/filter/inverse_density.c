@@ -31,13 +31,12 @@ typedef struct search {
 
 static void see_neighbours(const asc_voronoi *diagram, uint32_t of, uint32_t centre, search *seen) {
   const asc_delaunay *mesh = &diagram->mesh;
-  const asc_place own = diagram->places[centre];
   uint32_t edge = mesh->first[of];
   do {
     const uint32_t site = asc_edge_end(mesh, edge);
     if (seen->marks[site] != centre) {
-      const double x = (double)(diagram->places[site].x - own.x), y = (double)(diagram->places[site].y - own.y);
-      seen->candidates[seen->count++] = (candidate){x * x + y * y, site};
+      const struct asc_rest way = asc_voronoi_way(diagram, centre, site);
+      seen->candidates[seen->count++] = (candidate){way.x * way.x + way.y * way.y, site};
       seen->marks[site] = centre;
     }
     edge = mesh->next[edge];
@@ -74,8 +73,9 @@ static double quarter_within(double r, double a, double b) {
 }
 
 static double disc_within(const asc_voronoi *diagram, uint32_t site, double r) {
-  const double x = (double)diagram->places[site].x, y = (double)diagram->places[site].y;
-  /* A place may be rounded to half a step outside. */
+  const double x = (double)diagram->places[site].x + diagram->rests[site].x;
+  const double y = (double)diagram->places[site].y + diagram->rests[site].y;
+  /* Rounding may lead half a step outside. */
   const double left = fmax(diagram->width + x, 0.0), right = fmax(diagram->width - x, 0.0);
   const double below = fmax(diagram->height + y, 0.0), above = fmax(diagram->height - y, 0.0);
   return quarter_within(r, left, below) + quarter_within(r, right, below) + quarter_within(r, right, above) +

@@ -42,6 +42,16 @@ static double multi_stage_primitive(const double *values, double x) {
   return values[0] / 36.0 * sum;
 }
 
+static double multi_stage_tail(const double *values, double x) {
+  const double t = 9.0 / values[0] * x;
+  double sum = 0.0;
+  for (int k = 0; k < KNOTS; k++) {
+    const double above = knots[k] > t ? knots[k] - t : 0.0;
+    sum += factors[k] * above * above * above * above;
+  }
+  return values[0] / 36.0 * sum;
+}
+
 static const asc_parameter multi_stage_parameters[] = {ASC_RADIUS_PARAMETER(1.125)};
 
 const asc_filter_interface asc_filter_multi_stage = {
@@ -55,4 +65,5 @@ const asc_filter_interface asc_filter_multi_stage = {
     .pieces = multi_stage_pieces,
     .evaluate = multi_stage_evaluate,
     .primitive = multi_stage_primitive,
+    .tail = multi_stage_tail,
 };

@@ -25,6 +25,9 @@ typedef struct asc_filter_interface {
   void (*evaluate)(const double *values, const double *x, size_t n, double *profile);
   /* Its integral from 0 to x in [0, radius], with the same constant. NULL: it is found by quadrature. */
   double (*primitive)(const double *values, double x);
+  /* Its integral from x to the radius, with the same constant, for profiles that come near 0 before: as a difference of
+   * primitives it would lose its digits. NULL: that difference. */
+  double (*tail)(const double *values, double x);
 } asc_filter_interface;
 
 #define ASC_RADIUS_PARAMETER(fallback)                                                                                 \

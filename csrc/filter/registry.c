@@ -141,8 +141,18 @@ static double half_integral(const asc_filter *filter, double x) {
   return copysign(filter->scale * primitive(filter, fmin(fabs(x), filter->radius)), x);
 }
 
+/* The integral from |x| outward. */
+static double tail(const asc_filter *filter, double x) {
+  return filter->scale * filter->interface->tail(filter->values, fmin(fabs(x), filter->radius));
+}
+
 asc_status asc_filter_integral(const asc_filter *filter, double a, double b, double *integral) {
   if (!filter || !integral || isnan(a) || isnan(b)) return ASC_INVALID_ARGUMENT;
+  if (filter->interface->tail && signbit(a) == signbit(b)) {
+    const double first = tail(filter, a), second = tail(filter, b);
+    *integral = signbit(a) ? second - first : first - second;
+    return ASC_OK;
+  }
   *integral = half_integral(filter, b) - half_integral(filter, a);
   return ASC_OK;
 }

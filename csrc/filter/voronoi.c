@@ -10,6 +10,7 @@
 
 typedef struct keyed_place {
   asc_place place;
+  struct asc_rest rest;
   uint32_t sample;
 } keyed_place;
 
@@ -20,12 +21,25 @@ static int by_place(const void *a, const void *b) {
   return 0;
 }
 
+/* A coordinate on the grid, and what it is from there: no rounding but of the rest (Knuth's two-sum). */
+static int64_t step_of(double coordinate, double centre, double step, double *rest) {
+  const double moved = coordinate - centre, back = moved - coordinate;
+  const double lost = (coordinate - (moved - back)) - (centre + back), steps = moved / step;
+  const int64_t place = llround(steps);
+  *rest = (steps - (double)place) + lost / step;
+  return place;
+}
+
 static void find_sites(const keyed_place *sorted, size_t count, asc_voronoi *made) {
   for (size_t i = 0; i < count; i++) {
     if (i == 0 || by_place(&sorted[i - 1], &sorted[i]) != 0) {
       made->places[made->count] = sorted[i].place;
+      made->rests[made->count] = sorted[i].rest;
       made->samples[made->count++] = 0;
     }
+    /* Of those in one step the least, whatever their order. */
+    made->rests[made->count - 1].x = fmin(made->rests[made->count - 1].x, sorted[i].rest.x);
+    made->rests[made->count - 1].y = fmin(made->rests[made->count - 1].y, sorted[i].rest.y);
     made->samples[made->count - 1]++;
     made->site[sorted[i].sample] = (uint32_t)(made->count - 1);
   }
@@ -43,15 +57,16 @@ asc_status asc_voronoi_create(const double *points, size_t count, const asc_rect
   made->width = half_width / made->step;
   made->height = half_height / made->step;
   made->places = malloc(count * sizeof *made->places);
+  made->rests = malloc(count * sizeof *made->rests);
   made->samples = malloc(count * sizeof *made->samples);
   made->site = malloc(count * sizeof *made->site);
   keyed_place *sorted = malloc(count * sizeof *sorted);
   asc_status status = ASC_OUT_OF_MEMORY;
-  if (made->places && made->samples && made->site && sorted) {
+  if (made->places && made->rests && made->samples && made->site && sorted) {
     for (size_t i = 0; i < count; i++) {
-      const asc_place place = {llround((points[2 * i] - x) / made->step),
-                               llround((points[2 * i + 1] - y) / made->step)};
-      sorted[i] = (keyed_place){place, (uint32_t)i};
+      sorted[i].place.x = step_of(points[2 * i], x, made->step, &sorted[i].rest.x);
+      sorted[i].place.y = step_of(points[2 * i + 1], y, made->step, &sorted[i].rest.y);
+      sorted[i].sample = (uint32_t)i;
     }
     qsort(sorted, count, sizeof *sorted, by_place);
     find_sites(sorted, count, made);
@@ -64,6 +79,7 @@ asc_status asc_voronoi_create(const double *points, size_t count, const asc_rect
 
 void asc_voronoi_destroy(asc_voronoi *made) {
   free(made->places);
+  free(made->rests);
   free(made->samples);
   free(made->site);
   asc_delaunay_destroy(&made->mesh);
@@ -143,8 +159,9 @@ static void cut(asc_cell *cell, const bisector *line) {
 void asc_cell_of(const asc_voronoi *diagram, uint32_t site, asc_cell *cell) {
   const asc_delaunay *mesh = &diagram->mesh;
   const asc_place own = diagram->places[site];
-  const double left = -diagram->width - (double)own.x, right = diagram->width - (double)own.x;
-  const double bottom = -diagram->height - (double)own.y, top = diagram->height - (double)own.y;
+  const struct asc_rest rest = diagram->rests[site];
+  const double left = (-diagram->width - (double)own.x) - rest.x, right = (diagram->width - (double)own.x) - rest.x;
+  const double bottom = (-diagram->height - (double)own.y) - rest.y, top = (diagram->height - (double)own.y) - rest.y;
   cell->corners[0] = (asc_corner){left, bottom, 1, 3};
   cell->corners[1] = (asc_corner){right, bottom, 2, 0};
   cell->corners[2] = (asc_corner){right, top, 3, 1};
@@ -153,9 +170,8 @@ void asc_cell_of(const asc_voronoi *diagram, uint32_t site, asc_cell *cell) {
   cell->any = 0;
   const uint32_t first = mesh->first[site];
   for (uint32_t edge = first; edge != ASC_NONE && cell->any != ASC_NONE;) {
-    const asc_place other = diagram->places[asc_edge_end(mesh, edge)];
-    const double x = (double)(other.x - own.x), y = (double)(other.y - own.y); /* no rounding */
-    cut(cell, &(bisector){x, y, 0.5 * (x * x + y * y)});
+    const struct asc_rest way = asc_voronoi_way(diagram, site, asc_edge_end(mesh, edge));
+    cut(cell, &(bisector){way.x, way.y, 0.5 * (way.x * way.x + way.y * way.y)});
     edge = mesh->next[edge] == first ? ASC_NONE : mesh->next[edge];
   }
 }

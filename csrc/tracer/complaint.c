@@ -1,5 +1,6 @@
 #include "complaint.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -15,9 +16,10 @@ static asc_status look(const asc_sampler *sampler, const asc_sampler_desc *of, c
   for (size_t i = 0; status && i < range->sample_count * of->dimensions; i++)
     if (!(points[i] >= 0.0 && points[i] < 1.0))
       return asc_fail(error, status,
-                      "the sampler %s gave a value outside [0, 1): %g as number %zu of sample %llu of pixel (%d, %d)",
-                      of->spec, points[i], i % of->dimensions,
-                      (unsigned long long)(range->first_sample + i / of->dimensions), range->pixel_x, range->pixel_y);
+                      "the sampler %s gave a value outside [0, 1): %g as number %zu of sample %" PRIu64
+                      " of pixel (%d, %d)",
+                      of->spec, points[i], i % of->dimensions, range->first_sample + i / of->dimensions, range->pixel_x,
+                      range->pixel_y);
   return ASC_OK;
 }
 
@@ -28,8 +30,8 @@ static asc_status look_at_weights(const asc_sampler *sampler, const asc_sampler_
     const asc_status status = asc_sampler_weights(sampler, first, count, weights);
     for (size_t i = 0; status == ASC_NUMERIC && i < count; i++)
       if (!isfinite(weights[i]))
-        return asc_fail(error, status, "the sampler %s gives sample %llu the weight %g", of->spec,
-                        (unsigned long long)(first + i), weights[i]);
+        return asc_fail(error, status, "the sampler %s gives sample %" PRIu64 " the weight %g", of->spec, first + i,
+                        weights[i]);
   }
   return ASC_OK;
 }

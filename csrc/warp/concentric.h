@@ -43,6 +43,12 @@ static inline double asc_to_disc(const double *u, double *point) {
   return fabs(radius);
 }
 
+/* What that radius lacks of 1: exact, for u however near to 0 too. */
+static inline double asc_short_of_rim(const double *u) {
+  const double across = u[0] < 0.5 ? u[0] : 1.0 - u[0], along = u[1] < 0.5 ? u[1] : 1.0 - u[1];
+  return 2.0 * fmin(across, along);
+}
+
 static inline void asc_from_disc(double x, double y, double *u) {
   const int along_x = fabs(x) > fabs(y);
   const double axis = along_x ? x : y, across = along_x ? y : x;

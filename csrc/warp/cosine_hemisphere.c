@@ -4,8 +4,9 @@
 
 static int sample(const double *u, double *w) {
   if (!asc_in_unit(u[0]) || !asc_in_unit(u[1])) return 0;
-  const double radius = asc_to_disc(u, w);
-  w[2] = sqrt((1.0 - radius) * (1.0 + radius)); /* 1 - radius^2 without its cancellation near the rim */
+  const double short_of_rim = asc_short_of_rim(u);
+  (void)asc_to_disc(u, w);
+  w[2] = sqrt(short_of_rim * (2.0 - short_of_rim)); /* 1 - radius^2 without its cancellation near the rim */
   return 1;
 }
 

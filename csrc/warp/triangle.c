@@ -4,6 +4,7 @@
  * is sheared onto half of the triangle, so that no edge shrinks to a corner, as it does with square roots. */
 #include <math.h>
 
+#include "kept.h"
 #include "rows.h"
 
 static int sample(const double *u, double *b) {
@@ -32,15 +33,33 @@ asc_status asc_triangle_inverse(const double *barycentrics, size_t n, double *u)
   return asc_rows(inverse, barycentrics, 3, n, u, 2);
 }
 
+/* p q - r s: of a sliver's edges nearly all of it cancels. */
+static double determinant(asc_kept p, asc_kept q, asc_kept r, asc_kept s) {
+  const asc_kept left = asc_kept_product(p, q), right = asc_kept_product(r, s);
+  const asc_kept whole = asc_kept_sum(left.value, -right.value);
+  return whole.value + (whole.lost + (left.lost - right.lost));
+}
+
+/* From one vertex to another along an axis. */
+static asc_kept edge(double from, double to, int exponent) {
+  const asc_kept made = asc_kept_sum(to, -from);
+  return (asc_kept){ldexp(made.value, -exponent), ldexp(made.lost, -exponent)};
+}
+
 asc_status asc_triangle_pdf(const double vertices[9], double *pdf, asc_error *error) {
   if (!vertices || !pdf) return asc_fail(error, ASC_INVALID_ARGUMENT, "asc_triangle_pdf: a null pointer");
-  double e[3], f[3];
+  double extent = 0.0;
+  for (int i = 0; i < 9; i++) extent = fmax(extent, fabs(vertices[i] - vertices[i % 3]));
+  int exponent; /* edges of about 1 have squares that are doubles */
+  (void)frexp(extent, &exponent);
+  asc_kept e[3], f[3];
   for (int i = 0; i < 3; i++) {
-    e[i] = vertices[3 + i] - vertices[i];
-    f[i] = vertices[6 + i] - vertices[i];
+    e[i] = edge(vertices[i], vertices[3 + i], exponent);
+    f[i] = edge(vertices[i], vertices[6 + i], exponent);
   }
-  const double x = e[1] * f[2] - e[2] * f[1], y = e[2] * f[0] - e[0] * f[2], z = e[0] * f[1] - e[1] * f[0];
-  const double twice = hypot(hypot(x, y), z); /* the area */
+  const double x = determinant(e[1], f[2], e[2], f[1]), y = determinant(e[2], f[0], e[0], f[2]),
+               z = determinant(e[0], f[1], e[1], f[0]);
+  const double scaled = hypot(hypot(x, y), z), twice = ldexp(scaled, 2 * exponent); /* the area */
   if (!(twice > 0.0 && isfinite(twice) && isfinite(2.0 / twice)))
     return asc_fail(error, ASC_INVALID_ARGUMENT,
                     "a triangle of area %g has no density: its vertices lie on one line, or are not finite",

@@ -5,11 +5,11 @@
 
 static int sample(const double *u, double *w) {
   if (!asc_in_unit(u[0]) || !asc_in_unit(u[1])) return 0;
-  const double radius = asc_to_disc(u, w);
+  const double radius = asc_to_disc(u, w), short_of_rim = asc_short_of_rim(u);
   const double stretch = sqrt(2.0 - radius * radius);
   w[0] *= stretch;
   w[1] *= stretch;
-  w[2] = (1.0 - radius) * (1.0 + radius);
+  w[2] = short_of_rim * (2.0 - short_of_rim);
   return 1;
 }
 

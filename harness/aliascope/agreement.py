@@ -101,6 +101,9 @@ def agreement(stored: Estimate, again: Estimate, rounding: float, factor: float 
 def welch(one: Array, other: Array, freedom: Array | float, others: Array | float) -> Array:
     """Degrees of freedom of the sum of two estimated variances (Welch 1947), from those of each; infinity for one that
     is known."""
+    # In the power of two above the larger: without rounding, and no square is beyond a double.
+    exponent = -np.frexp(np.maximum(one, other))[1]
+    one, other = np.ldexp(one, exponent), np.ldexp(other, exponent)
     below = one**2 / freedom + other**2 / others
     least = np.minimum(freedom, others)
     found: Array = np.where(below > 0.0, (one + other) ** 2 / np.where(below > 0.0, below, 1.0), least)

@@ -24,12 +24,14 @@ def mean(values: Sequence[float]) -> Estimate:
 
 def root_mean_square(values: Sequence[float]) -> Estimate:
     """The root of the mean of squares, its standard error by the delta method: d sqrt(x) = dx / (2 sqrt(x))."""
-    squares = mean([value * value for value in values])
+    # In the power of two above the largest: without rounding, and no square is beyond a double.
+    exponent = math.frexp(max(map(abs, values), default=0.0))[1]
+    squares = mean([math.ldexp(value, -exponent) ** 2 for value in values])
     assert squares.value is not None
-    root = math.sqrt(squares.value)
-    if squares.standard_error is None or root == 0.0:
-        return Estimate(root, squares.standard_error)
-    return Estimate(root, squares.standard_error / (2.0 * root))
+    root, error = math.sqrt(squares.value), squares.standard_error
+    if error is not None and root > 0.0:
+        error /= 2.0 * root
+    return Estimate(math.ldexp(root, exponent), None if error is None else math.ldexp(error, exponent))
 
 
 @dataclass(frozen=True)
@@ -121,16 +123,25 @@ class Rate:
     constant: float
 
 
+def near_logarithms(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """Logarithms of positive values, and a number that is to be added to them: the logarithm of the first where all are
+    within a factor of two of it, as differences of near logarithms have few digits; else 0."""
+    relative = (values - values[0]) / values[0]
+    if np.abs(relative).max() <= 0.5:
+        return np.log1p(relative), math.log(values[0])
+    return np.log(values), 0.0
+
+
 def rate(counts: Sequence[float], errors: Sequence[float]) -> Rate | None:
     """The power law through (n, error), by least squares of the logarithms; None with fewer than three of them."""
-    pairs = [(math.log(n), math.log(e)) for n, e in zip(counts, errors, strict=True) if n > 0 and e > 0]
+    pairs = [(float(n), float(e)) for n, e in zip(counts, errors, strict=True) if n > 0 and e > 0]
     if len({n for n, _ in pairs}) < 3:
         return None
     from scipy.stats import linregress  # takes a second to load, and most commands fit nothing
 
-    x, y = np.array(pairs).T
+    (x, x_origin), (y, y_origin) = map(near_logarithms, np.array(pairs).T)
     fit = linregress(x, y)
-    return Rate(float(fit.slope), float(fit.stderr), math.exp(float(fit.intercept)))
+    return Rate(float(fit.slope), float(fit.stderr), math.exp(float(fit.intercept) + (y_origin - fit.slope * x_origin)))
 
 
 @dataclass(frozen=True)
@@ -169,9 +180,10 @@ def fit_rate(
     """
     from scipy.special import stdtrit  # the quantiles alone; scipy.stats takes a second to load
 
-    x, y = np.log(np.array(counts, dtype=np.float64)), np.log(np.array(errors))
     if len(set(counts)) < 3:
         raise ValueError("a rate is of three numbers of points or more")
+    x, x_origin = near_logarithms(np.array(counts, dtype=np.float64))
+    y, y_origin = near_logarithms(np.array(errors, dtype=np.float64))
     spread = np.array(standard_errors) / np.array(errors)
     weighted = bool((spread > 0.0).all())
     spread = spread if weighted else np.ones_like(x)
@@ -184,7 +196,7 @@ def fit_rate(
         if abs(bend[2]) > float(stdtrit(bend_free, 0.995)) * bend_error:
             ends = [bend[1] + 2.0 * bend[2] * (end - middle) for end in (x.min(), x.max())]
             low, high, local, curved = min(low, *ends), max(high, *ends), ends[1], True
-    constant = math.exp(line[0] - line[1] * middle)
+    constant = math.exp((line[0] - line[1] * middle) + (y_origin - line[1] * x_origin))
     return FittedRate(line[1], (low, high), constant, min(counts), max(counts), len(x), curved, local, line_error, free)
 
 

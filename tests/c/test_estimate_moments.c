@@ -188,6 +188,34 @@ static void strata_by_hand(void **state) {
   assert_true(isfinite(found.mean) && isnan(found.standard_error) && isnan(found.degrees));
 }
 
+/* One value in each: what is squared are differences, which far from 0 are as exact; and degrees of freedom are the
+ * same at every scale, the squares of variances being no doubles at some. */
+static void strata_far_from_0_and_at_every_scale(void **state) {
+  (void)state;
+  asc_stratified near, far;
+  for (double away = 1.0; away < 1e15; away *= 1000.0) {
+    asc_stratum lone[5];
+    const double values[] = {0.0, 0.5, 1.25, -1.0, 2.0};
+    for (int step = 0; step < 2; step++) {
+      for (int i = 0; i < 5; i++) {
+        const double value = values[i] + step * away;
+        lone[i] = (asc_stratum){0.1, moments_of(&value, 1)};
+      }
+      assert_int_equal(asc_stratify(lone, 5, step ? &far : &near), ASC_OK);
+    }
+    assert_true(fabs(far.standard_error - near.standard_error) <= 1e-15);
+    assert_true(fabs(far.degrees - near.degrees) <= 1e-15);
+  }
+  for (double scale = 1e-150; scale < 1e151; scale *= 1e50) {
+    const double few[] = {0.0, scale, 2.0 * scale}, more[] = {0.0, scale, scale, 0.0};
+    const asc_stratum strata[] = {{1.0, moments_of(few, 3)}, {1.0, moments_of(more, 4)}};
+    assert_int_equal(asc_stratify(strata, 2, &far), ASC_OK);
+    /* Variances of the means 1/3 and 1/12, with 2 and 3 degrees. */
+    assert_true(fabs(far.degrees - 25.0 / 144 / (1.0 / 18 + 1.0 / 432)) < 1e-14);
+    assert_true(fabs(far.standard_error / scale - sqrt(5.0 / 48)) < 1e-15);
+  }
+}
+
 static void strata_that_are_refused(void **state) {
   (void)state;
   const double value = 1.0;
@@ -250,6 +278,7 @@ int main(void) {
       cmocka_unit_test(parts_and_merges),
       cmocka_unit_test(the_laws_of_expectation_and_variance),
       cmocka_unit_test(strata_by_hand),
+      cmocka_unit_test(strata_far_from_0_and_at_every_scale),
       cmocka_unit_test(strata_that_are_refused),
       cmocka_unit_test(the_stated_variance_is_that_of_repetitions),
   };

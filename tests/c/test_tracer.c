@@ -548,6 +548,37 @@ static void samples_stay_within_reach(void **state) {
   }
 }
 
+/* The background of 1e40 is a double, and no pixel of floats: the first is named, whatever the filter and the threads.
+ */
+static void what_float_does_not_hold_is_an_error(void **state) {
+  (void)state;
+  const double vertices[] = {-9, 9, 0, 90, 9, 0, -9, 1.8, 0}; /* row 0, and of row 1 the first centre */
+  const uint32_t indices[] = {0};
+  const asc_material materials[] = {glow(1, 1, 1)};
+  asc_scene scene = {.struct_size = sizeof scene, .view = flat_view(6, 4), .materials = materials};
+  scene.material_count = 1;
+  scene.vertices = vertices;
+  scene.triangle_material = indices;
+  scene.triangle_count = 1;
+  scene.view.background[1] = 1e40;
+  tracer *made = NULL;
+  asc_error error = {{0}};
+  if (tracer_create(&scene, &made, &error)) fail_msg("%s", error.text);
+  asc_sampler *sampler = sampler_of("regular", 1);
+  const char *two[] = {NULL, "tent"};
+  for (int i = 0; i < 2; i++) {
+    asc_filter *profile = two[i] ? filter_of(two[i]) : NULL;
+    float pixels[6 * 4 * 3];
+    const tracer_desc desc = {sizeof desc, sampler, 3, profile};
+    assert_int_equal(tracer_render(made, &desc, pixels, NULL, &error), ASC_NUMERIC);
+    assert_string_equal(error.text, "pixel (1, 1) is not finite: a colour is too large for float");
+    assert_int_equal(tracer_render(made, &desc, pixels, NULL, NULL), ASC_NUMERIC);
+    asc_filter_destroy(profile);
+  }
+  asc_sampler_destroy(sampler);
+  tracer_destroy(made);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(it_says_how_it_traces),
@@ -565,6 +596,7 @@ int main(void) {
       cmocka_unit_test(filters_give_the_same_bits_for_threads_and_bands),
       cmocka_unit_test(samples_stay_within_reach),
       cmocka_unit_test(filters_count_their_borders_and_the_box_has_none),
+      cmocka_unit_test(what_float_does_not_hold_is_an_error),
   };
   return cmocka_run_group_tests_name("tracer", tests, NULL, NULL);
 }

@@ -222,6 +222,26 @@ static void what_cannot_be_weighted_is_refused(void **state) {
 }
 
 /* One step inside or outside a circle of radius 2^51, which doubles cannot tell. */
+/* The line between two that are close turns with their places: it is that of the samples, not of places on a grid. The
+ * areas in fractions of the same doubles; the tolerance is of twelve digits. */
+static void close_samples_keep_their_line(void **state) {
+  (void)state;
+  const double at[] = {0.0, 0.0, 2.3e-8, 1.7e-8, 0.25, -0.375};
+  const double areas[] = {0.3863803248814636298658, 0.376314993747328168951, 0.2373046813712082011832};
+  assert_int_equal(weigh("area", NULL, at, 3, weights, NULL), ASC_OK);
+  for (size_t i = 0; i < 3; i++)
+    if (!(fabs(weights[i] - areas[i]) <= 1e-12 * areas[i])) fail_msg("%.17g is not %.17g", weights[i], areas[i]);
+  const double swapped[] = {2.3e-8, 1.7e-8, 0.25, -0.375, 0.0, 0.0};
+  double others[3];
+  assert_int_equal(weigh("area", NULL, swapped, 3, others, NULL), ASC_OK);
+  assert_true(others[0] == weights[1] && others[1] == weights[2] && others[2] == weights[0]);
+  /* Those in one step of the grid share, whatever their order. */
+  const double together[] = {1e-20, 0.0, 0.0, 3e-20, 0.25, -0.375}, turned[] = {0.25, -0.375, 0.0, 3e-20, 1e-20, 0.0};
+  assert_int_equal(weigh("area", NULL, together, 3, weights, NULL), ASC_OK);
+  assert_int_equal(weigh("area", NULL, turned, 3, others, NULL), ASC_OK);
+  assert_true(weights[0] == weights[1] && others[0] == weights[2] && others[1] == weights[0]);
+}
+
 static void predicates_are_exact(void **state) {
   (void)state;
   const int64_t most = ASC_PLACE_MOST;
@@ -247,6 +267,7 @@ int main(void) {
       cmocka_unit_test(cells_fill_the_bounds),
       cmocka_unit_test(the_order_of_the_samples_does_not_matter),
       cmocka_unit_test(what_cannot_be_weighted_is_refused),
+      cmocka_unit_test(close_samples_keep_their_line),
       cmocka_unit_test(predicates_are_exact),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

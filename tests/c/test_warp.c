@@ -270,12 +270,46 @@ static void triangles_have_an_area_or_are_refused(void **state) {
   }
 }
 
+/* Of a sliver almost all of the determinants cancels; its area in fractions of the same doubles. And no square of an
+ * edge has to be a double. */
+static void slivers_and_triangles_of_every_size_have_their_area(void **state) {
+  (void)state;
+  double pdf;
+  const double sliver[9] = {0.1, 0.2, 0.3, 1.2, 0.9, -0.2, 0.65, 0.55, 0.05 + 0x1p-30};
+  assert_int_equal(asc_triangle_pdf(sliver, &pdf, NULL), ASC_OK);
+  assert_true(fabs(pdf / 1647044713.66843099870840552042 - 1.0) <= 1e-12);
+  for (int exponent = -500; exponent <= 500; exponent += 100) {
+    const double side = ldexp(1.0, exponent), right[9] = {0, 0, 0, 0, 3.0 * side, 0, 0, 0, 4.0 * side};
+    assert_int_equal(asc_triangle_pdf(right, &pdf, NULL), ASC_OK);
+    assert_true(pdf == ldexp(1.0 / 6.0, -2 * exponent));
+  }
+}
+
+/* Samples are divided by the density, which is the height over the rim: it has its digits for u however near to 0. */
+static void heights_over_the_rim(void **state) {
+  (void)state;
+  for (double u = 0.25; u > 1e-300; u *= 1e-7) {
+    double w[3];
+    const double edge[2] = {u, 0.5}, other[2] = {0.5, u};
+    assert_int_equal(asc_cosine_hemisphere_sample(edge, 1, w), ASC_OK);
+    assert_true(fabs(w[2] / (2.0 * sqrt(u) * sqrt(1.0 - u)) - 1.0) <= 1e-15);
+    assert_int_equal(asc_uniform_hemisphere_sample(other, 1, w), ASC_OK);
+    assert_true(fabs(w[2] / (4.0 * u * (1.0 - u)) - 1.0) <= 1e-15);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(inverses_undo_warps),          cmocka_unit_test(jacobians_are_the_inverse_of_the_pdf),
-      cmocka_unit_test(densities_integrate_to_one),   cmocka_unit_test(warped_points_have_the_density),
-      cmocka_unit_test(points_lie_in_their_domain),   cmocka_unit_test(corners_go_where_the_papers_say),
-      cmocka_unit_test(what_lies_outside_is_refused), cmocka_unit_test(triangles_have_an_area_or_are_refused),
+      cmocka_unit_test(inverses_undo_warps),
+      cmocka_unit_test(jacobians_are_the_inverse_of_the_pdf),
+      cmocka_unit_test(densities_integrate_to_one),
+      cmocka_unit_test(warped_points_have_the_density),
+      cmocka_unit_test(points_lie_in_their_domain),
+      cmocka_unit_test(corners_go_where_the_papers_say),
+      cmocka_unit_test(what_lies_outside_is_refused),
+      cmocka_unit_test(triangles_have_an_area_or_are_refused),
+      cmocka_unit_test(slivers_and_triangles_of_every_size_have_their_area),
+      cmocka_unit_test(heights_over_the_rim),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

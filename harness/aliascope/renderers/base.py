@@ -13,6 +13,7 @@ from aliascope.model import LARGEST_SIDE, Scene
 from aliascope.native import samplers
 from aliascope.placement import placed
 from aliascope.records import Rendering
+from aliascope.renderers import limits
 from aliascope.specs import Form, Key, Spec
 
 LEAST_SECONDS = 0.1
@@ -126,7 +127,14 @@ def filter_of(mode: Spec) -> str:
 
 
 def lacks(renderer: Renderer, scene: Scene, mode: Spec) -> str | None:
-    """The reason for an empty cell: the features of the scene that the renderer does not draw, or the mode's own."""
+    """The reason for an empty cell: the features of the scene that the renderer does not draw, the mode's own, or a
+    measured limit past which its pictures are not right."""
+    as_they_are = RECENTRE.name in mode.values and not mode.integer(RECENTRE.name)
+    return unable(renderer, scene, mode) or limits.beyond(renderer.name, scene, as_they_are)
+
+
+def unable(renderer: Renderer, scene: Scene, mode: Spec) -> str | None:
+    """Why the renderer would not draw the scene at all: what it draws past its measured limits, it draws wrong."""
     missing = sorted(scene.features() - renderer.draws)
     if missing:
         why = [f" ({renderer.absent[name]})" if name in renderer.absent else "" for name in missing]

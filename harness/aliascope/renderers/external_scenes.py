@@ -15,6 +15,7 @@ from aliascope.errors import NotWritable
 from aliascope.gltf import writing
 from aliascope.model import LoadedMesh, Scene
 from aliascope.placement import placed
+from aliascope.renderers import limits
 from aliascope.renderers.base import Request
 from aliascope.renderers.povray_frames import Frames, moved
 from aliascope.renderers.povray_limits import out_of_reach
@@ -42,7 +43,7 @@ def _write_pov(path: Path, request: Request) -> None:
 
 
 def _out_of_povrays_reach(scene: Scene) -> str | None:
-    return out_of_reach(placed(scene))
+    return out_of_reach(placed(scene)) or limits.beyond("povray", scene, as_they_are=False)
 
 
 def _write_toml(path: Path, request: Request) -> None:

@@ -25,7 +25,7 @@ from aliascope.image import read_image
 from aliascope.model import LARGEST_AREA, Scene
 from aliascope.motion import no_still
 from aliascope.records import Cost, Pixels, Rendering
-from aliascope.renderers.base import RECENTRE, Request, as_drawn, lacks
+from aliascope.renderers.base import RECENTRE, Request, as_drawn, unable
 from aliascope.renderers.povray_frames import Frames, frames_of, looked_at, moments, moved
 from aliascope.renderers.povray_light import lighting_of, pattern_colours
 from aliascope.renderers.povray_limits import out_of_reach
@@ -239,7 +239,7 @@ def _write(folder: Path, request: Request, exposure: float, frames: Frames) -> N
 def _check(renderer: PovRay, request: Request) -> None:
     """Raises Unsupported for a request that cannot be met."""
     mode, size = request.mode, (request.width, request.height)
-    reason = lacks(renderer, request.scene, mode) or too_long(request.scene, mode, request.time_limit)
+    reason = unable(renderer, request.scene, mode) or too_long(request.scene, mode, request.time_limit)
     if reason:
         raise Unsupported(reason)
     if request.shift != Request.shift:

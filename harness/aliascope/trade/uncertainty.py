@@ -288,12 +288,14 @@ LARGEST = 100.0
 def satterthwaite(errors: Sequence[float], freedoms: Sequence[float]) -> tuple[float, float]:
     """The standard error of a sum of independent parts and its degrees of freedom (Satterthwaite 1946); NaN where one
     part is not known."""
-    squares = [error * error for error in errors]
+    # In the power of two above the largest: without rounding, and no square is beyond a double.
+    exponent = math.frexp(max(errors, default=0.0))[1]
+    squares = [math.ldexp(error, -exponent) ** 2 for error in errors]
     total = math.fsum(squares)
     if math.isnan(total) or total == 0.0:
         return math.sqrt(total), math.inf
     shares = math.fsum(square * square / freedom for square, freedom in zip(squares, freedoms, strict=True))
-    return math.sqrt(total), total * total / shares if shares else math.inf
+    return math.ldexp(math.sqrt(total), exponent), total * total / shares if shares else math.inf
 
 
 def ends(figures: Array) -> tuple[float | None, float | None]:

@@ -146,7 +146,7 @@ class _Cosines:
         turn = 2 * mpmath.mpf(frequency) * radius
         total = mpmath.mpf(0)
         for k in range(4):
-            total += terms[k] * radius * (mpmath.sincpi(turn - k) + mpmath.sincpi(turn + k)) / (1 if k else 1)
+            total += terms[k] * radius * (mpmath.sincpi(turn - k) + mpmath.sincpi(turn + k))
         return total / (2 * terms[0] * radius)
 
 

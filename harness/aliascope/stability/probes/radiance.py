@@ -144,8 +144,8 @@ def _mitchell(x: Fraction) -> Fraction:
 
 
 def _hard_edge(row: str, at: float) -> float:
-    """A vertical edge between `at` on the left and 1; what the film makes of the samples of a regular grid, 4 x 4, under
-    Mitchell's filter (`film.h`): A + (1 - S) m. Relative to the value where that is more than 1."""
+    """A vertical edge between `at` on the left and 1; what the film makes of the samples of a regular grid, 4 x 4,
+    under Mitchell's filter (`film.h`): A + (1 - S) m. Relative to the value where that is more than 1."""
     width, edge = 12, 6
     scene = _scene((width, 3), 1.0, {"lamp": _grey(at)}, ("lamp", _rectangle(-99.0, 0.0, -9.0, 9.0)))
     mode = MODES[row][1] if "filter" in MODES[row][1] else "uniform:filter=mitchell,n=16,sampler=regular"

@@ -1,0 +1,1 @@
+"""What is true of small inputs, in whole numbers, fractions and mpmath: what probes hold results against."""
