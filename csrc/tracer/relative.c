@@ -125,12 +125,34 @@ static void change_lights(relative_scene *made, const change *by) {
   }
 }
 
+/* So many checks away, the origin of checks moves nearer by an even number of them, which leaves every colour: else
+ * what is subtracted from it would be rounded to more and more of a check. */
+#define FAR_CHECKS 0x1p20L
+
+static void change_checks(const change *by, asc_pattern *checks) {
+  double near[3];
+  memcpy(near, checks->origin, sizeof near);
+  change_place(by, near);
+  for (int i = 0; i < 3; i++) {
+    const long double from_eye = (long double)checks->origin[i] - by->eye[i] - (long double)by->forward[i] * by->ahead;
+    const long double away = from_eye * checks->scale;
+    if (!by->in_float && fabsl(away) > FAR_CHECKS && isfinite(away))
+      near[i] = (double)(fmodl(away, 2.0L) / checks->scale) * by->unit;
+  }
+  memcpy(checks->origin, near, sizeof near);
+  checks->scale /= by->unit;
+}
+
+static void change_rings(const change *by, asc_pattern *rings) {
+  change_place(by, rings->origin);
+  rings->scale /= by->unit * by->unit;
+}
+
 static void change_patterns(relative_scene *made, const change *by) {
   for (size_t i = 0; i < made->scene.material_count; i++) {
     asc_pattern *pattern = &made->materials[i].pattern;
-    if (pattern->kind == ASC_PATTERN_NONE) continue;
-    change_place(by, pattern->origin);
-    pattern->scale /= pattern->kind == ASC_PATTERN_ZONE_PLATE ? by->unit * by->unit : by->unit;
+    if (pattern->kind == ASC_PATTERN_CHECKER) change_checks(by, pattern);
+    if (pattern->kind == ASC_PATTERN_ZONE_PLATE) change_rings(by, pattern);
   }
 }
 

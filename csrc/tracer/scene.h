@@ -93,7 +93,7 @@ struct tracer {
       *emitter_of[GEOMETRY_KINDS]; /* by surface, 0 where it does not shine, else one more than its index; or NULL */
   int shines_alone;                /* no light, bounce or motion: what is seen is what surfaces shine by themselves */
   int plain;                       /* no pattern, light, plane or bounce: what Embree finds is all that shading needs */
-  int looks_again;                 /* triangles are there that may share corners */
+  int looks_again;                 /* a corner has triangles all round it, between which rays may pass */
   double build_cpu_seconds;
 };
 

@@ -8,6 +8,7 @@
 
 #include "adaptive.h"
 #include "complaint.h"
+#include "corners.h"
 #include "emitter.h"
 #include "filtered.h"
 #include "frames.h"
@@ -65,7 +66,9 @@ static asc_status take_scene(tracer *made, const asc_scene *world, asc_error *er
     status = made->device ? tracer_take_geometry(made, &local.scene, error)
                           : asc_fail(error, ASC_UNAVAILABLE, "Embree does not start on this machine");
   }
-  made->looks_again = !made->options.look_once && !made->options.not_robust && world->triangle_count > 0;
+  /* Pieces have such corners too. */
+  made->looks_again = !made->options.look_once && !made->options.not_robust && status == ASC_OK &&
+                      (made->parts || corners_any_surrounded(world));
   if (status == ASC_OK) status = emitter_take(made, &local.scene, error);
   relative_free(&local);
   return status;

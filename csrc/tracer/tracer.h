@@ -46,7 +46,8 @@ typedef struct tracer_options {
    * of the world; and lengths are those of the scene, whatever float holds of them. */
   uint32_t not_relative;
   /* 1: rays from the eye that meet nothing, beside others that meet something, are not looked at again. In robust mode
-   * too rays pass between triangles that share a corner, a few in a hundred of those aimed at it to the last bit. */
+   * too rays pass between triangles that share a corner, a few in a hundred of those aimed at it to the last bit. Where
+   * no corner has triangles all round it, nothing is looked at again. */
   uint32_t look_once;
   tracer_film film; /* of pictures with as many samples in every pixel; adaptive ones have the estimator's own sums */
 } tracer_options;

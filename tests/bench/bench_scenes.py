@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from aliascope import scene_io
 from aliascope.model import Scene
-from aliascope.native.tracer import Tracer, TracerCost
+from aliascope.native.tracer import Options, Tracer, TracerCost
 
 SIZE = (128, 96)
 SAMPLES = 16
@@ -60,12 +60,13 @@ class Rates:
 
 def measure(kept: Kept, scene: Scene) -> Rates:
     tracer = Tracer(scene, SIZE)
+    once = Tracer(scene, SIZE, options=Options(again=False))  # rays that are looked at again are the tracer's price
 
-    def draw() -> TracerCost:
-        return tracer.render("sobol:scramble=owen", SAMPLES)[1]
+    def draw(made: Tracer = tracer) -> TracerCost:
+        return made.render("sobol:scramble=owen", SAMPLES)[1]
 
     kept.begin()
-    cost = draw()
+    cost = draw(once)
     kept.end()
     pairs = []
     for _ in range(ROUNDS):

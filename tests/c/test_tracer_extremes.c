@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "corners.h"
 #include "tracer.h"
 
 enum { SIDE = 40, VALUES = SIDE * SIDE * 3 };
@@ -121,7 +122,8 @@ static void far_away_or_scaled_no_bit_changes(void **state) {
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
     set_table(cases[i].scale, cases[i].away, &of);
     draw(&of.scene, there);
-    if (memcmp(here, there, sizeof here) != 0) fail_msg("by %g, %g", cases[i].scale, cases[i].away);
+    for (size_t k = 0; k < VALUES; k++)
+      if (here[k] != there[k]) fail_msg("by %g, %g: %zu", cases[i].scale, cases[i].away, k);
   }
 }
 
@@ -179,7 +181,7 @@ static void from_far_away_depths_are_told_apart(void **state) {
           orthographic ? view_along_z(ASC_ORTHOGRAPHIC, 1.0, 0x1p30) : view_along_z(ASC_PERSPECTIVE, 0x1p-30, 0x1p30);
       const asc_scene scene = of_triangles(view, turned, order[k], 3, materials, 2);
       draw(&scene, pixels);
-      for (size_t i = 0; i < SIDE * SIDE; i++) {
+      for (size_t i = 0; i < (size_t)SIDE * SIDE; i++) {
         const float expected = i % SIDE < SIDE / 2 ? 1.0f : 0.0f;
         if (pixels[3 * i] != expected) fail_msg("pixel %zu of order %d", i, k);
       }
@@ -206,7 +208,7 @@ static void triangles_larger_than_far_keep_their_edges(void **state) {
     for (int x = 0; x < SIDE; x++) {
       const double u = (2.0 * x + 1.0) / SIDE - 1.0, v = 1.0 - (2.0 * y + 1.0) / SIDE, ahead = -1.0 / v;
       const int seen = v < 0.0 && ahead > 0.5 && ahead < far && u * ahead < 0.25 && u * ahead > -far;
-      const float got = pixels[3 * (y * SIDE + x)];
+      const float got = pixels[3 * ((size_t)y * SIDE + (size_t)x)];
       if (fabsf(got - (seen ? 1.0f : 0.0f)) > 1e-6f) fail_msg("pixel %d, %d: %g", x, y, (double)got);
     }
 }
@@ -247,6 +249,21 @@ static void fill_aimed(double vertices[SQUARES][2][3][3]) {
   }
 }
 
+/* 3 checks in a unit make 3 2^60 from there, an even number: as from 0. */
+static void checks_that_begin_far_away_keep_their_places(void **state) {
+  (void)state;
+  static float here[VALUES], there[VALUES];
+  table of;
+  set_table(1.0, 0.0, &of);
+  of.materials[0].pattern.scale = 3.0;
+  memset(of.materials[0].pattern.origin, 0, sizeof of.materials[0].pattern.origin);
+  draw(&of.scene, here);
+  of.materials[0].pattern.origin[0] = 0x1p60;
+  of.materials[0].pattern.origin[1] = -0x1p40;
+  draw(&of.scene, there);
+  for (size_t k = 0; k < VALUES; k++) assert_true(here[k] == there[k]);
+}
+
 static void rays_through_corners_are_not_lost(void **state) {
   (void)state;
   static double vertices[SQUARES][2][3][3];
@@ -266,6 +283,18 @@ static void rays_through_corners_are_not_lost(void **state) {
     for (size_t k = 0; k < VALUES; k += 3) lost += pixels[k] != 1.0f;
     if (lost < cases[i].least || lost > cases[i].most) fail_msg("case %zu lost %d", i, lost);
   }
+}
+
+/* Round the middle of a square, and of fewer triangles than it takes; -0 is 0. */
+static void corners_with_triangles_all_round_are_found(void **state) {
+  (void)state;
+  static const double fan[4][9] = {{0, 0, 0, 1, 0, 0, 0, 1, 0},
+                                   {0, 1, 0, -1, 0, 0, 0, 0, 0},
+                                   {-1, 0, 0, 0, -1, 0, -0.0, 0, 0},
+                                   {0, -1, 0, 0, -0.0, 0, 1, 0, 0}};
+  asc_scene scene = {.struct_size = sizeof scene, .vertices = fan[0]};
+  for (scene.triangle_count = 0; scene.triangle_count <= 4; scene.triangle_count++)
+    assert_int_equal(corners_any_surrounded(&scene), scene.triangle_count == 4);
 }
 
 /* What misses by more than roundings, a silhouette's samples too, is not looked for: the picture is that of one look.
@@ -302,7 +331,9 @@ int main(void) {
       cmocka_unit_test(from_far_away_depths_are_told_apart),
       cmocka_unit_test(triangles_larger_than_far_keep_their_edges),
       cmocka_unit_test(triangles_through_the_eye_are_drawn),
+      cmocka_unit_test(checks_that_begin_far_away_keep_their_places),
       cmocka_unit_test(rays_through_corners_are_not_lost),
+      cmocka_unit_test(corners_with_triangles_all_round_are_found),
       cmocka_unit_test(looking_again_leaves_silhouettes),
       cmocka_unit_test(switches_are_0_or_1),
   };

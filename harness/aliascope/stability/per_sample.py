@@ -11,7 +11,7 @@ import numpy as np
 from aliascope.geometry import Array, frame_of
 from aliascope.model import Scene
 from aliascope.native.samplers import Sampler
-from aliascope.native.tracer import Tracer
+from aliascope.native.tracer import Options, Tracer
 
 SAMPLER = "sobol:scramble=owen"
 SEED = 1
@@ -52,9 +52,9 @@ def places(scene: Scene, setting: Setting) -> tuple[Array, Array]:
     return (2.0 * right / width - 1.0) * frame.half_width, (1.0 - 2.0 * down / height) * frame.half_height
 
 
-def mean_error(scene: Scene, truth: Truth, setting: Setting = MIDDLE) -> float:
+def mean_error(scene: Scene, truth: Truth, setting: Setting = MIDDLE, options: Options | None = None) -> float:
     """The mean over pixels and channels of how far the tracer's picture is from that of the same samples in truth."""
-    built = Tracer(scene, setting.size)
+    built = Tracer(scene, setting.size, options=options or Options())
     picture = built.render(setting.sampler, setting.count, SEED)[0].astype(np.float64)
     right = truth(*places(scene, setting)).mean(axis=2)
     return float(np.abs(picture - right[..., np.newaxis]).mean())
