@@ -130,6 +130,6 @@ const asc_measure_interface asc_measure_edge_rms = {
     .parameter_count = sizeof parameters / sizeof *parameters,
     .least_dimensions = 2,
     .most_dimensions = 2,
-    .quick_points = 30000,
+    .quick_points = 20000,
     .evaluate = edge_rms_evaluate,
 };

@@ -216,7 +216,7 @@ static asc_status l2(kernel of, const asc_point_set *set, asc_measurement *made,
                                                           .source = source_,                                           \
                                                           .least_dimensions = 1,                                       \
                                                           .most_dimensions = ASC_ANY_DIMENSION,                        \
-                                                          .quick_points = 40000,                                       \
+                                                          .quick_points = 20000,                                       \
                                                           .evaluate = identifier##_evaluate};
 
 MEASURE(l2_star, STAR, "l2-star", "root mean square of n/N - volume over boxes [0, t)", "Warnock 1972")

@@ -24,7 +24,7 @@ enum {
        1e300,                                                                                                          \
        tolerance,                                                                                                      \
        "of the variance; of the range; of half of Student's interval; of the mean's deviation, by chi-squared"},       \
-      {"confidence", ASC_REAL, NULL, 0.0001, 0.999999, 0.95, "of student-t and chi-squared"},                          \
+      {"confidence", ASC_REAL, NULL, 0.0001, 0.999999999999, 0.95, "of student-t and chi-squared"},                    \
       {"red", ASC_REAL, NULL, 0.0, 1.0, ASC_CONTRAST_RED, "contrast that is low enough, in the first channel"},        \
       {"green", ASC_REAL, NULL, 0.0, 1.0, ASC_CONTRAST_GREEN, "in the second"}, {                                      \
     "blue", ASC_REAL, NULL, 0.0, 1.0, ASC_CONTRAST_BLUE, "in all others"                                               \

@@ -18,7 +18,7 @@ enum {
 
 /* Those that are the same in both tables. */
 #define ASC_SEQUENTIAL_PARAMETERS                                                                                      \
-  {"confidence", ASC_REAL, NULL, 0.0001, 0.999999, 0.95, "probability that the statement on the error holds"},         \
+  {"confidence", ASC_REAL, NULL, 0.0001, 0.999999999999, 0.95, "probability that the statement on the error holds"},   \
       ASC_PARAMETER_MINIMUM(2, 8),                                                                                     \
       {"batch", ASC_INTEGER, NULL, 1, 9007199254740992.0, 1, "samples of a cell between decisions"},                   \
       ASC_PARAMETER_UNBIASED, ASC_PARAMETER_CELLS(1), ASC_PARAMETER_MARGIN(0)

@@ -35,7 +35,7 @@ class Plan:
     """What was chosen, for the title of a report: "quick profile, chosen scenes"."""
 
 
-COMMON = ("draws.py", "geometry.py", "image.py", "meshes.py", "model.py", "motion.py", "specs.py")
+COMMON = ("draws.py", "geometry.py", "image.py", "meshes.py", "model.py", "motion.py", "placement.py", "specs.py")
 """What the pictures of every renderer depend on, beside renderers/ and native/ without the files of other renderers."""
 
 SAMPLER_LIBRARY = "libaliascope.so"

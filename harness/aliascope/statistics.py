@@ -125,10 +125,9 @@ class Rate:
 
 def near_logarithms(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
     """Logarithms of positive values, and a number that is to be added to them: the logarithm of the first where all are
-    within a factor of two of it, as differences of near logarithms have few digits; else 0."""
-    relative = (values - values[0]) / values[0]
-    if np.abs(relative).max() <= 0.5:
-        return np.log1p(relative), math.log(values[0])
+    within half as much again, as differences of near logarithms have few digits; else 0."""
+    if values.max() <= 1.5 * values.min():
+        return np.log1p((values - values[0]) / values[0]), math.log(values[0])
     return np.log(values), 0.0
 
 

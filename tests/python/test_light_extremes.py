@@ -9,6 +9,7 @@ from aliascope import renderers
 from aliascope.errors import AliascopeError, JobFailed
 from aliascope.model import Scene
 from aliascope.renderers.base import Request
+from aliascope.stability.running import all_probes, run
 
 
 def glaring() -> Scene:
@@ -41,3 +42,17 @@ def test_light_that_float_does_not_hold_is_an_error(renderer: str, mode: str) ->
         assert "not finite" in str(refused.value)
         # The first that a filter reaches; at a distance of 1 a tent is 0, and at 2 Mitchell's is.
         assert f"pixel {(2, 3) if 'mitchell' in mode else (3, 4)}" in str(refused.value)
+
+
+WHERE = {"povray": "may reach 1e+40", "metrics": "first at x=0, y=0", "exr": "first at x=0, y=0"}
+"""What the message says that does not say "pixel"."""
+
+NOT_FINITE = [name for name in all_probes() if name.endswith("| not-finite")]
+
+
+@pytest.mark.parametrize("name", NOT_FINITE)
+def test_what_is_no_number_is_named(name: str) -> None:
+    """By renderers, estimators, metrics and files: no reading of the map is a picture or a figure of it."""
+    for reading in run(all_probes()[name]).readings:
+        assert reading.error is None
+        assert WHERE.get(name.partition(" |")[0], "pixel") in reading.refused

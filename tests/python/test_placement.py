@@ -6,9 +6,11 @@ import re
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from aliascope import placement, scene_io
-from aliascope.geometry import triangulate
+from aliascope.geometry import frame_of, triangulate
 from aliascope.model import Polygon, Scene
 from aliascope.placement import FAR, LARGEST, SMALLEST, moved, placed, scaled, size_of
 from aliascope.renderers import base, mode_of, osmesa, povray
@@ -196,3 +198,39 @@ def planar(polygon: Polygon) -> bool:
 
 def relative(surface: Polygon, to: tuple[float, float, float]) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(a - b for a, b in zip(point, to, strict=True)) for point in surface.points)
+
+
+POWERS = st.floats(-12.0, 12.0)
+DIRECTION = st.tuples(*[st.floats(-1.0, 1.0)] * 3)
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(scale=POWERS, distance=POWERS, direction=DIRECTION, name=st.sampled_from(["edge", "spheres", "everything"]))
+def test_wherever_a_scene_is_its_picture_has_it_in_its_place(
+    scale: float, distance: float, direction: tuple[float, float, float], name: str
+) -> None:
+    """Scaled by 10^scale, then moved by up to 10^distance of its own units: at home again, what is drawn has the places
+    that it had, seen from the eye and over its size, but for what the sums have rounded away."""
+    home = scene_io.load(name).scene
+    size = 10.0**scale
+    away = tuple(size * 10.0**distance * each for each in direction)
+    there = placed(moved(scaled(home, size), away))
+    assert placed(there) is there
+    assert SMALLEST <= size_of(there) <= LARGEST
+    rounding = 1e-14 + 2.0**-50 * 10.0**distance
+    np.testing.assert_allclose(seen_from_the_eye(there), seen_from_the_eye(home), rtol=0.0, atol=200.0 * rounding)
+
+
+def seen_from_the_eye(scene: Scene) -> np.ndarray:
+    """Over the size of the scene: the least and the most of corners and centres along right, up and forward, the radii,
+    and where lights are."""
+    frame, places, radii = frame_of(scene), [], []
+    for surface in (*scene.surfaces, *scene.lights):
+        radii.append(getattr(surface, "radius", 0.0))
+        if isinstance(surface, Polygon):
+            places += surface.points
+        else:
+            places += [getattr(surface, name) for name in ("centre", "position", "corner") if hasattr(surface, name)]
+    axes = np.array([frame.right, frame.up, frame.forward])
+    local = (np.array(places) - frame.eye) @ axes.T
+    return np.array([*local.min(axis=0), *local.max(axis=0), sum(radii)]) / size_of(scene)

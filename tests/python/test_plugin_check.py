@@ -103,7 +103,7 @@ NO_SEQUENCE = ("| ASC_TRAIT_SEQUENCE, 200000}", ", config->samples}")
     ("change", "names", "words"),
     [
         # range
-        (in_place("value", "if (sample == 0 && range->pixel_x == 3) value = 1.0;"), "range", "1 or more"),
+        (in_place("value", "if (sample == 0 && range->pixel_x == 3) value = 1.0;"), "range", "is 1;"),
         (in_place("value", "if (sample == 0 && range->pixel_x == 3) value = 0.0 / 0.0;"), "range", "nan"),
         (in_place("value", "if (sample == 0 && range->pixel_x == 3) value = -0x1p-70;"), "range", "is -8.47"),
         (in_place("value", "if (sample == 0 && range->pixel_x == 3 && d == 0) continue;"), "range", "not written"),

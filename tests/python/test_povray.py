@@ -276,6 +276,12 @@ def with_surface(**surface: Any) -> Scene:
     return scene_of([{"material": "white", **surface}], {"white": {"emission": (1, 1, 1)}})
 
 
+def through_the_lens(**surface: Any) -> Scene:
+    """Seen along -z from the origin."""
+    camera = {"type": "perspective", "eye": (0, 0, 0), "look_at": (0, 0, -1), "vertical_fov_degrees": 40.0}
+    return scene_of([{"material": "white", **surface}], {"white": {"emission": (1, 1, 1)}}, camera)
+
+
 TRIANGLE = {"type": "polygon", "points": [(0, 0, 0), (1, 0, 0), (0, 1, 0)]}
 
 
@@ -289,6 +295,12 @@ TRIANGLE = {"type": "polygon", "points": [(0, 0, 0), (1, 0, 0), (0, 1, 0)]}
         (with_surface(type="disc", centre=(0, 0, -0.9 * FARTHEST), radius=1), None),
         (with_surface(type="disc", centre=(0, 0, -1.1 * FARTHEST), radius=1), "beyond"),
         (with_surface(type="disc", centre=(0, 0, 1.1 * FARTHEST), radius=1), None),  # behind the camera
+        (with_surface(type="plane", point=(0, 0, 9 - 2 * NEAREST), normal=(0, 0, 1)), None),
+        (with_surface(type="plane", point=(0, 0, 9 - 0.5 * NEAREST), normal=(0, 0, 1)), "nearer than"),
+        (with_surface(type="plane", point=(0, 0, 9), normal=(0, 1, 0.1)), None),
+        (through_the_lens(type="plane", point=(0, -1.1 * NEAREST, 0), normal=(0, 1, 0)), None),
+        (through_the_lens(type="plane", point=(0, -0.1 * NEAREST, 0), normal=(0, 1, 0)), "nearer than"),
+        (through_the_lens(type="plane", point=(0, -0.1 * NEAREST, 0), normal=(0, 1, -1)), None),  # and out of the view
         (with_surface(type="sphere", centre=(0, 0, 0), radius=1e-3), None),
         (with_surface(type="sphere", centre=(0, 0, 0), radius=1e-8), None),  # a hundred-millionth of a pixel
         (scene_of([], {}, background=(7e4, 0, 0)), None),
@@ -312,11 +324,15 @@ def test_a_small_world_loses_the_rims_of_its_spheres(height: float, radius: floa
 
 
 def test_its_range_is_what_povray_draws(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A disc this side of each limit is there, one past it is not: the limits are the program's own."""
-    distances = (1.01 * NEAREST, 0.99 * NEAREST, 0.99 * FARTHEST, 1.01 * FARTHEST)
+    """A disc or plane this side of each limit is there, one past it is not: the limits are the program's own."""
+    limits = (1.01 * NEAREST, 0.99 * NEAREST, 0.99 * FARTHEST, 1.01 * FARTHEST)
     scenes = []
-    for distance in distances:
-        scene = with_surface(type="disc", centre=(0, 0, -distance), radius=4)
+    distances = (*limits, *limits)
+    for number, distance in enumerate(distances):
+        disc = {"type": "disc", "centre": (0, 0, -distance), "radius": 4}
+        scene = with_surface(
+            **disc if number < 4 else {"type": "plane", "point": (0, 0, -distance), "normal": (0, 0, 1)}
+        )
         camera = scene.camera.model_copy(update={"eye": (0.0, 0.0, 0.0), "look_at": (0.0, 0.0, -1.0)})
         scenes.append(scene.model_copy(update={"camera": camera}))
     as_they_are = "none:recentre=0"

@@ -44,7 +44,8 @@ ASC_API asc_status asc_sampler_resolved(const asc_sampler *sampler, asc_sampler_
 
 /* Writes sample_count x dimension_count values to `points`. ASC_UNSUPPORTED past the last index of a net (2^32) or
  * sequence (2^53), or past the N of a pattern that is not a sequence; ASC_INVALID_ARGUMENT past the sampler's
- * dimensions; ASC_OUT_OF_RANGE where a plugin's pattern leaves [0, 1). */
+ * dimensions; ASC_OUT_OF_RANGE where a plugin's pattern leaves [0, 1): its values are there, as it gave
+ * them. */
 ASC_API asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range *range, double *points);
 
 /* The same of `pixels` pixels in a row, from the range's to the right, one after the other: quicker than one by one

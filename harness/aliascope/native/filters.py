@@ -8,6 +8,7 @@ name, key or value.
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from aliascope.errors import InvalidInput
 from aliascope.native import loading
 from aliascope.native.loading import check, error_box, keys, module, text
+
+MOST_FREQUENCY = 1000
+"""In cycles a pixel, of `Filter.response`."""
 
 
 def _library() -> Any:
@@ -57,12 +61,20 @@ class Filter:
     def response(self, frequencies: ArrayLike) -> NDArray[np.float64]:
         """The profile's Fourier transform, real and even, at frequencies in cycles a pixel, within 1e-12.
 
-        Raises InvalidInput beyond 1000 either way.
+        Raises InvalidInput beyond MOST_FREQUENCY either way, and for NaN.
         """
+        outside = ~(np.abs(frequencies) <= MOST_FREQUENCY)  # as NaN is
+        if outside.any():
+            wrong = np.ravel(frequencies)[int(outside.argmax())]
+            raise InvalidInput(
+                f"the response of {self.spec} at {wrong} cycles a pixel: it is had up to {MOST_FREQUENCY}"
+            )
         return self._mapped(self._library.lib.asc_filter_response, frequencies)
 
     def integral(self, a: float, b: float) -> float:
         """The profile's integral from a to b, within 1e-14. Either may be infinite. Raises InvalidInput for NaN."""
+        if math.isnan(a) or math.isnan(b):
+            raise InvalidInput(f"an integral of {self.spec} from {a} to {b}")
         made = self._library.ffi.new("double *")
         check(self._library, self._library.lib.asc_filter_integral(self.handle, a, b, made))
         return float(made[0])

@@ -237,7 +237,7 @@ LIMITS: tuple[Limit, ...] = (
         "grazing",
         1.0 / LEAST_SINE,
         _grazing,
-        "POV-Ray misses what a ray meets at a sine below 1e-10, and a surface is seen at one over {has}",
+        "POV-Ray misses what a ray meets at a sine below 1e-10, and here one meets a surface at 1/{has}",
     ),
     Limit(
         "povray",
@@ -270,6 +270,7 @@ LIMITS: tuple[Limit, ...] = (
         "coplanar",
         2.0**22,
         _narrowest_gap,
-        "OpenGL's depth is float, and one face lies before another by one part in {has} of the depth, past {most}",
+        "OpenGL's depth is float, and one face lies before another by 1/{has} of the depth: below 1/{most} it cannot "
+        "tell which is in front",
     ),
 )

@@ -18,7 +18,7 @@ FARTHEST = 1e7
 """Hits farther than this along a ray do not exist (MAX_DISTANCE; measured: 9.9e6 is drawn, 1.01e7 is not)."""
 
 NEAREST = 1e-4
-"""Hits of discs and triangles nearer than this do not exist (measured: 1e-4 is drawn, 9.9e-5 is not)."""
+"""Hits of discs, triangles and planes nearer than this do not exist (measured: 1e-4 is drawn, 9.9e-5 is not)."""
 
 LEAST_HALF_CHORD_SQUARED = 1e-10
 """A ray that cuts a sphere along a shorter half chord misses it (EPSILON in the sphere's code; measured: a sphere of
@@ -89,6 +89,9 @@ def out_of_reach(scene: Scene, wider: tuple[float, float] = (1.0, 1.0), recentre
             lost = scale * _height(surface, frame) / FARTHEST / frame.pixel
             if lost > HORIZON_TOLERANCE_PX:
                 return f"POV-Ray draws the horizon of a plane {lost:.2g} pixels off: the angle of view is too small"
+            nearest = scale * _nearest_of_plane(surface, seen)
+            if nearest < NEAREST:
+                return f"POV-Ray sees nothing nearer than {NEAREST:g} units, and a plane begins at {nearest:.3g}"
             continue
         if isinstance(surface, Sphere):
             reason = _rim_lost(frame, np.array(surface.centre) - frame.eye, surface.radius, scale)
@@ -101,7 +104,7 @@ def out_of_reach(scene: Scene, wider: tuple[float, float] = (1.0, 1.0), recentre
             farthest = min(farthest, scale * _extent(surface, frame))
         if farthest > FARTHEST:
             return f"POV-Ray sees nothing beyond {FARTHEST:g} units, and a {surface.type} reaches {farthest:.3g}"
-        if isinstance(surface, Sphere | Plane):
+        if isinstance(surface, Sphere):
             continue
         if high > 0.0 and (0.0 < low < NEAREST or high < NEAREST):
             return f"POV-Ray sees nothing nearer than {NEAREST:g} units, and a {surface.type} begins at {low:.3g}"
@@ -125,6 +128,20 @@ def _extent(surface: AnySurface | LoadedMesh, frame: Frame) -> float:
 def _height(plane: Plane, frame: Frame) -> float:
     """The distance of an endless plane from the eye."""
     return abs(float(unit(plane.normal) @ (np.array(plane.point) - frame.eye)))
+
+
+def _nearest_of_plane(plane: Plane, frame: Frame) -> float:
+    """The way to an endless plane along the shortest ray of a perspective picture, or along one to a corner of it;
+    infinite where none meets it, and where the eye lies in it."""
+    normal = unit(plane.normal)
+    offset = float(normal @ (np.array(plane.point) - frame.eye))
+    if offset == 0.0:
+        return math.inf
+    most = 0.0
+    for across, upward in ((0.0, 0.0), (-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)):
+        way = frame.forward + across * frame.half_width * frame.right + upward * frame.half_height * frame.up
+        most = max(most, float(normal @ way) * math.copysign(1.0, offset) / float(np.linalg.norm(way)))
+    return abs(offset) / most if most > 0.0 else math.inf
 
 
 def _depths(surface: AnySurface | LoadedMesh, frame: Frame) -> tuple[float, float]:

@@ -20,7 +20,7 @@ TAIL = 8
 
 
 def in_range(subject: Subject) -> Finding:
-    """Every value is written and lies in [0, 1), below 1 as float too, at the ends of seeds, pixels and indices."""
+    """Every value is written and lies in [0, 1), at the ends of seeds, pixels and indices."""
     values = 0
     for (n, d), seed in itertools.product(subject.sizes(), SEEDS):
         probe = subject.made(n, d, seed)
@@ -31,9 +31,7 @@ def in_range(subject: Subject) -> Finding:
         for pixel, (first, count) in itertools.product(PIXELS, spans):
             points = subject.fill(probe, pixel, first, count)
             values += points.size
-            wrong = (points.view(np.uint64) == UNWRITTEN) | ~((points >= 0) & (points.astype(np.float32) < 1))
-            if subject.out_of_range and not wrong.any():
-                wrong = points == 1 - 2.0**-24  # what the library makes of 1 or more, after it has seen it
+            wrong = (points.view(np.uint64) == UNWRITTEN) | ~((points >= 0) & (points < 1))
             if not wrong.any():
                 continue
             row, column = (int(index[0]) for index in np.nonzero(wrong))
@@ -45,8 +43,6 @@ def in_range(subject: Subject) -> Finding:
 def _described(value: np.float64) -> str:
     if value.view(np.uint64) == UNWRITTEN:
         return "the value is not written"
-    if value == 1 - 2.0**-24:
-        return "the value is 1 or more; values lie in [0, 1)"
     return f"the value is {value:g}; values lie in [0, 1)"
 
 

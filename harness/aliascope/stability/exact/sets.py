@@ -77,7 +77,7 @@ SETS: Mapping[str, Callable[[float], Table]] = {
 LEVELS: Mapping[str, tuple[float, ...]] = {
     "coincident": (2.0, 16.0, 128.0, 1024.0),
     "close": (1e-3, 1e-6, 1e-9, 1e-12, 1e-15, 1e-18, 1e-30, 1e-100, 1e-300),
-    "collinear": (2.0, 4.0, 8.0, 12.0),
+    "collinear": (2.0, 3.0, 6.0, 10.0),
     "border": (1e-3, 1e-9, 1e-15, 1e-17, 1e-30, 1e-100, 1e-300, 0.0),
     "axis-lines": (1e-1, 1e-4, 1e-8, 1e-12, 1e-15, 1e-18, 1e-30, 1e-100, 1e-300),
     "few-points": (4.0, 3.0, 2.0, 1.0),

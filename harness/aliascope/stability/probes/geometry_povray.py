@@ -26,7 +26,7 @@ AS_THEY_ARE: Mapping[str, str] = {
     "narrow": "Refused from 1e-5 degrees on, from where the scene is farther than 1e7 units.",
     "wide": "Refused from 0.01 degrees on, where the scene is nearer than 1e-4 units.",
     "shadow": "At a factor of 1e-3 the plate throws no shadow (0.047 rms): it is nearer to the floor than 1e-3 units; "
-    "then refused, as the scene is nearer than 1e-4 units.",
+    "then refused, for the rim of its ball.",
 }
 
 ROWS = (

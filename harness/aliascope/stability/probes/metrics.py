@@ -113,7 +113,8 @@ def _psnr(pair: Pair) -> Number | None:
 
 def _relative_mse(pair: Pair) -> Number:
     reference = map(Fraction, pair[1].ravel().tolist())
-    return _mpf(_mean([e * e / (r * r + Fraction(1, 100)) for e, r in zip(_errors(pair), reference, strict=True)]))
+    terms = [_mpf(e) ** 2 / (_mpf(r) ** 2 + mpmath.mpf("0.01")) for e, r in zip(_errors(pair), reference, strict=True)]
+    return mpmath.fsum(terms) / len(terms)
 
 
 def _largest(pair: Pair) -> Number:
@@ -273,6 +274,7 @@ def probes() -> list[Probe]:
             functools.partial(_error, name, pictures, truth),
             levels[-1:] if name != "ssim" or extreme == "huge" else (),
             "" if own else "NVIDIA's package computes in float32, and shows no light above 1.",
+            theirs=not own,
         )
 
     found = []

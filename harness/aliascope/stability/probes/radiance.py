@@ -1,5 +1,5 @@
-"""Light at its extremes in the renderers' pictures and in the files of pictures: against the same picture at a radiance
-of 1, by linearity, and against means by exact fractions where each sample's place is known."""
+"""Light at its extremes in the renderers' pictures, in files of pictures and in estimates: against the same picture at
+a radiance of 1, by linearity, and against means by exact fractions where each sample's place is known."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from aliascope import renderers
 from aliascope.image import read_image, write_exr
 from aliascope.model import Scene
+from aliascope.native import estimate
 from aliascope.renderers.base import Request
 from aliascope.stability.records import Probe
 
@@ -163,6 +164,22 @@ def _hard_edge(row: str, at: float) -> float:
     return float(max(errors))
 
 
+def _estimated(name: str, at: float) -> float:
+    """Of an integrand whose first values are NaN. An estimate of it is none."""
+    left = round(at)
+
+    def integrand(points: Array) -> Array:
+        nonlocal left
+        values = np.ones(len(points))
+        values[:left] = math.nan
+        left -= min(left, len(points))
+        return values
+
+    sampler = "sobol" if name != "stratified" else "random"
+    estimate.Estimator(name, sampler, samples=256).estimate(integrand)
+    return math.inf
+
+
 def _file(at: float) -> float:
     """What comes back of values about `at`, of either sign: 0 for the same bits."""
     pixels = (at * np.random.default_rng(1).uniform(-1.0, 1.0, (9, 7, 3))).astype(np.float32)
@@ -217,6 +234,7 @@ def _probe(
         functools.partial(measure, row),
         () if row != "embree" else levels[:1] + levels[-1:],
         _NOTES.get((row, extreme), ""),
+        theirs=files,
     )
 
 
@@ -260,5 +278,24 @@ def _of_files() -> list[Probe]:
     ]
 
 
+def _of_estimators() -> list[Probe]:
+    named = "an error that names the pixel"
+    return [
+        Probe(
+            each.name,
+            "estimator",
+            "not-finite",
+            "none",
+            named,
+            2.0**-53,
+            0.0,
+            (1.0, 100.0),
+            functools.partial(_estimated, each.name),
+            (1.0,),
+        )
+        for each in estimate.registered()
+    ]
+
+
 def probes() -> list[Probe]:
-    return [*_of_rows(), *_of_files()]
+    return [*_of_rows(), *_of_estimators(), *_of_files()]

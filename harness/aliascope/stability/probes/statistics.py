@@ -17,7 +17,7 @@ from aliascope.stability.records import Probe
 from aliascope.statistics import fit_rate, mean, rate, root_mean_square
 from aliascope.trade.uncertainty import pooled, satterthwaite
 
-COUNT = 4096
+COUNT = 512
 DIGITS = 60
 ROUNDING = 2.0**-53
 TEN_DIGITS = 1e-10
@@ -46,7 +46,7 @@ def _two(at: float) -> list[float]:
 
 SETS: dict[str, tuple[Callable[[float], list[float]], tuple[float, ...]]] = {
     "mean": (_about, tuple(10.0**k for k in range(0, 16, 2))),
-    "zero-variance": (_equal, (2.0, 4.0, 64.0, 4096.0)),
+    "zero-variance": (_equal, (2.0, 4.0, 64.0, 512.0)),
     "two-values": (_two, (1.0, 1e-3, 1e-6, 1e-9, 1e-12, 1e-15)),
 }
 
@@ -221,13 +221,23 @@ def _strata_at(at: float) -> float:
 
 
 def _probe(component: str, extreme: str, run: Measured, levels: tuple[float, ...], bound: float = TEN_DIGITS) -> Probe:
-    quick = (levels[0], levels[len(levels) // 2])
+    middle = levels[len(levels) // 2]
+    quick = (1.0, 10.0) if extreme == "freedom" else (levels[0], levels[-1] if extreme in ("dim", "bright") else middle)
     against = "mpmath of the same doubles"
     return Probe(component, "statistic", extreme, "relative", against, ROUNDING, bound, levels, run, quick)
 
 
-SMALL = (1.0, 1e-20, 1e-40, 1e-60, 1e-80, 1e-100, 1e-120)
-LARGE = (1.0, 1e20, 1e40, 1e60, 1e80, 1e100, 1e120)
+def _root_mean_square(at: float) -> float:
+    found = root_mean_square([3.0 * at, 4.0 * at])
+    half = mpmath.mpf(at) / 2
+    truth = half * mpmath.sqrt(50), half * 7 / mpmath.sqrt(50)  # the root of 25/2; its error 7/2 over twice that
+    return max(_relative(found.value, truth[0]), _relative(found.standard_error, truth[1]))
+
+
+SMALL = (1.0, 1e-30, 1e-60, 1e-90, 1e-120, 1e-150)
+LARGE = (1.0, 1e30, 1e60, 1e90, 1e120, 1e150)
+FURTHER = 1e200
+"""The harness's own sums go on to there and its inverse; squares of moments end at 1e154."""
 
 
 def probes() -> list[Probe]:
@@ -252,7 +262,13 @@ def probes() -> list[Probe]:
         found.append(_probe(name, "freedom", partial(_chi_squared, 1e-12, upper=upper), FREEDOMS, QUANTILES))
     found.append(_probe("rate", "mean", partial(_rate, _plain_rate), means[1:6]))
     found.append(_probe("fit-rate", "mean", partial(_rate, _fitted_rate), means[1:6]))
-    for component, run in (("welch", _welch), ("satterthwaite", _satterthwaite), ("stratify:degrees", _strata_at)):
-        found.append(_probe(component, "dim", run, SMALL))
-        found.append(_probe(component, "bright", run, LARGE))
+    for component, run in (
+        ("welch", _welch),
+        ("satterthwaite", _satterthwaite),
+        ("root-mean-square", _root_mean_square),
+    ):
+        found.append(_probe(component, "dim", run, (*SMALL, 1.0 / FURTHER)))
+        found.append(_probe(component, "bright", run, (*LARGE, FURTHER)))
+    found.append(_probe("stratify:degrees", "dim", _strata_at, SMALL))
+    found.append(_probe("stratify:degrees", "bright", _strata_at, LARGE))
     return found
