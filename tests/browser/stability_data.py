@@ -49,7 +49,7 @@ def cell(kind: Kind, component: str, extreme: str, form: int) -> Cell:
         readings[-2:] = [Reading(at, None, "a scene is at most 10^9 units large") for at in levels[-2:]]
     if form == 7:
         readings[-1:] = [Reading(levels[-1], None, failed="its process ended by SIGSEGV")]
-    theirs = component in ("osmesa", "povray", "povray:moved=0")
+    excused = component in ("osmesa", "povray", "povray:moved=0")
     return Cell(
         component,
         kind,
@@ -60,7 +60,7 @@ def cell(kind: Kind, component: str, extreme: str, form: int) -> Cell:
         0.1 if kind == "renderer" else 1e-10,
         tuple(readings),
         "POV-Ray keeps the planes of a box in float; <b>beyond</b> that, pixels go dark." if form == 4 else "",
-        theirs,
+        excused,
     )
 
 

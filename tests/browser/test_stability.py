@@ -99,11 +99,15 @@ def test_all_can_be_read(opened: Open, scheme: str) -> None:
 def test_cells_are_told_apart_without_colours(opened: Open) -> None:
     page = opened()
     for mark, words in (("refused", "refuses at "), ("failed", "fails at "), ("absent", "not there")):
-        cell = page.locator(f".map td.{mark}:not(.ours):not(.theirs)" if mark == "refused" else f".map td.{mark}").first
+        cell = page.locator(
+            f".map td.{mark}:not(.ours):not(.excused)" if mark == "refused" else f".map td.{mark}"
+        ).first
         expect(cell).to_contain_text(words)
     expect(page.locator(".map td.lost-0:not(.refused):not(.failed)").first).to_contain_text("keeps")
     expect(page.locator(".map td.ours button").first).to_have_attribute("aria-label", re.compile(", ours"))
-    expect(page.locator(".map td.theirs button").first).to_have_attribute("aria-label", re.compile("not ours|failed"))
+    expect(page.locator(".map td.excused button").first).to_have_attribute(
+        "aria-label", re.compile("by others or|failed")
+    )
 
 
 def test_heads_stay_in_sight(opened: Open) -> None:
@@ -160,7 +164,7 @@ def test_keys_walk_the_map_and_open_a_cell(opened: Open) -> None:
 
 def test_a_cell_shows_its_readings(opened: Open) -> None:
     cells = stability_data.large().cells
-    broken = next(each for each in cells if each.breaks and not each.theirs and each.refused_from is None)
+    broken = next(each for each in cells if each.breaks and not each.excused and each.refused_from is None)
     page = opened(fragment=f"#cell={broken.component}/{broken.extreme}")
     dialog = page.locator("dialog[open]")
     expect(dialog.locator("h2")).to_have_text(f"{broken.component}, {broken.extreme}")

@@ -86,7 +86,7 @@ def test_one_process_finds_the_same(found: Map, monkeypatch: pytest.MonkeyPatch)
 
 def test_what_breaks_is_ours_or_theirs(found: Map) -> None:
     assert [each.component for each in found.ours] == ["both", "none", "ours"]
-    assert [each.component for each in found.broken if each.theirs] == ["povray"]
+    assert [each.component for each in found.broken if each.excused] == ["povray"]
     assert cell(found, "ours").breaks == (1e6,)
     assert cell(found, "both", "scaled").breaks == (1e-6, 1e6)
     none = cell(found, "none")
@@ -133,9 +133,9 @@ def test_this_process_imports_no_module_of_probes(found: Map) -> None:
 # --- exit codes -------------------------------------------------------------------------------------------------------
 
 
-def made(component: str = "c", error: float = 0.0, theirs: bool = False, failed: str = "") -> Cell:
+def made(component: str = "c", error: float = 0.0, excused: bool = False, failed: str = "") -> Cell:
     readings = (Reading(1.0, None if failed else error, failed=failed),)
-    return Cell(component, "statistic", "mean", "relative", "x", 1e-16, 1e-10, readings, theirs=theirs)
+    return Cell(component, "statistic", "mean", "relative", "x", 1e-16, 1e-10, readings, excused=excused)
 
 
 @pytest.mark.parametrize(
@@ -143,9 +143,9 @@ def made(component: str = "c", error: float = 0.0, theirs: bool = False, failed:
     [
         ([made()], {}, 0),
         ([made(error=1.0)], {}, 1),
-        ([made(error=1.0, theirs=True)], {}, 0),
+        ([made(error=1.0, excused=True)], {}, 0),
         ([made(failed="crashed")], {}, 4),
-        ([made(failed="crashed", theirs=True)], {}, 0),
+        ([made(failed="crashed", excused=True)], {}, 0),
         ([made(failed="crashed"), made("d", error=1.0)], {}, 4),
         ([made()], {"module": "did not load"}, 4),
     ],
@@ -163,7 +163,7 @@ def test_the_command_ends_with_1_where_ours_breaks(monkeypatch: pytest.MonkeyPat
     command(monkeypatch, "steady", "broken")
     told = run("stability", "ours", "povray", "mean", "-j", "1", "-o", tmp_path, code=1).stdout
     assert "breaks    ours, mean: from 10^6 on; the bound is 1e-10 relative, at worst: 1e-07 relative at 10^6" in told
-    assert "theirs    povray, far: from 10^6 on" in told
+    assert "excused    povray, far: from 10^6 on" in told
     assert "\x1b" not in told  # no terminal, no colours
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         *("report.html", "stability.csv", "stability.json", "stability.md")
@@ -253,7 +253,7 @@ SCHEMA: dict[str, Any] = {
     "group": str,
     "status": ("keeps", "breaks", "refuses", "absent", "failed"),
     "text": str,
-    "theirs": bool,
+    "excused": bool,
     "unit": str,
     "against": str,
     "bound": float,
@@ -380,7 +380,7 @@ def test_the_page_says_what_the_map_does(found: Map) -> None:
     assert [(heading, len(items)) for heading, _, items in page.lists] == [
         ("Failed", 3),
         ("What breaks, and is ours", 3),
-        ("What breaks by the arithmetic of others", 1),
+        ("What breaks by the arithmetic of others, or without a safeguard", 1),
         ("What declines", 1),
         ("What is not there", 2),
     ]

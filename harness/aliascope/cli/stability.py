@@ -46,8 +46,9 @@ def stability(
     """Find how far an input can go before a result is wrong: each component at each extreme, and the map of it.
 
     Every reading is an error against a truth in higher precision, or an exact one. A cell of the map says at which
-    level a component passes its bound; what POV-Ray's, Embree's or Mesa's own arithmetic breaks is told apart. Ends
-    with 1 where a component of ours passes its bound, with 4 where a measurement of ours crashed or hung.
+    level a component passes its bound; what POV-Ray's, Embree's or Mesa's own arithmetic breaks is told apart, and what
+    a row without one of our safeguards does. Ends with 1 where a component of ours passes its bound, with 4 where a
+    measurement of ours crashed or hung.
     """
     from aliascope.studies.stability import Asked
 

@@ -16,7 +16,8 @@ from aliascope.report.files import digest, environment, source
 @dataclass(frozen=True)
 class MapCell:
     """A cell of a table. `index`: of its readings in the data of the scripts; `step`: which of the colours it has, None
-    where there is no error; `marks`: words of refused, ours, theirs, failed, absent; `label`: all of it, read aloud."""
+    where there is no error; `marks`: words of refused, ours, excused, failed, absent; `label`: all of it, read
+    aloud."""
 
     index: int
     text: str

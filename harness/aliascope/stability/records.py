@@ -35,8 +35,9 @@ class Probe:
 
     `levels` go from mild to extreme. `bound` is the error that should not be passed at any of them; `precision` the
     error that cannot be fallen below, of the format of the result (2^-53 for doubles): digits are lost from there.
-    `against` says in a few words what the truth is. `quick` are the levels that a test can afford. `theirs`: where it
-    breaks, it is another program's arithmetic that does (POV-Ray's, Embree's, Mesa's), and no check of ours fails.
+    `against` says in a few words what the truth is. `quick` are the levels that a test can afford. `excused`: where it
+    breaks, it is another program's arithmetic that does (POV-Ray's, Embree's, Mesa's), or a safeguard of ours is
+    switched off in this row, and no check fails.
     """
 
     component: str
@@ -50,7 +51,7 @@ class Probe:
     measure: Callable[[float], float]
     quick: tuple[float, ...] = ()
     note: str = ""
-    theirs: bool = False
+    excused: bool = False
 
     @property
     def name(self) -> str:
@@ -89,7 +90,7 @@ class Cell:
     bound: float
     readings: tuple[Reading, ...]
     note: str = ""
-    theirs: bool = False
+    excused: bool = False
     absent: str = ""
 
     @property

@@ -48,8 +48,8 @@ ON_SAMPLES = (*_tens(-1, -12, -1), 0.0)
 @dataclass(frozen=True)
 class Row:
     """A component of the map: a renderer, in its modes of a grid of 16 samples and of one. notes: by extreme, of what
-    breaks. fewer: levels in place of those of COLUMNS, where those take too long. theirs: extremes at which what breaks
-    is the renderer's own arithmetic, and nothing compensates for it. quick: whether tests run it."""
+    breaks. fewer: levels in place of those of COLUMNS, where those take too long. excused: extremes at which what
+    breaks is the renderer's own arithmetic, and nothing compensates for it. quick: whether tests run it."""
 
     component: str
     renderer: Renderer
@@ -57,7 +57,7 @@ class Row:
     single: str
     notes: Mapping[str, str]
     fewer: Mapping[str, tuple[float, ...]]
-    theirs: Collection[str]
+    excused: Collection[str]
     quick: bool = True
 
 
@@ -77,7 +77,7 @@ def probes_of(row: Row) -> list[Probe]:
             partial(_error, row, column),
             column.quick if row.quick else (),
             row.notes.get(extreme, ""),
-            extreme in row.theirs,
+            extreme in row.excused,
         )
         found.append(made)
     edge = Probe(
@@ -92,7 +92,7 @@ def probes_of(row: Row) -> list[Probe]:
         partial(_off, row),
         (1e-6, 0.0) if row.quick else (),
         row.notes.get("on-samples", ""),
-        "on-samples" in row.theirs,
+        "on-samples" in row.excused,
     )
     return [*found, edge]
 

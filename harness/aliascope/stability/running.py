@@ -111,7 +111,7 @@ def cell_of(probe: Probe, readings: Sequence[Reading], absent: str = "") -> Cell
         probe.bound,
         tuple(readings),
         probe.note,
-        probe.theirs,
+        probe.excused,
         absent,
     )
 

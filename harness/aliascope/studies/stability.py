@@ -67,7 +67,7 @@ class Map:
     @property
     def ours(self) -> tuple[Cell, ...]:
         """Of those, the ones that are to be mended here."""
-        return tuple(cell for cell in self.broken if not cell.theirs)
+        return tuple(cell for cell in self.broken if not cell.excused)
 
     @property
     def failed(self) -> tuple[Cell, ...]:
@@ -77,7 +77,7 @@ class Map:
     @property
     def exit_code(self) -> int:
         """4 where a measurement of ours came to no end, 1 where a component of ours passes its bound, else 0."""
-        if self.lost or any(not cell.theirs for cell in self.failed):
+        if self.lost or any(not cell.excused for cell in self.failed):
             return JobFailed.exit_code
         return 1 if self.ours else 0
 

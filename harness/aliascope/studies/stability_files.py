@@ -64,7 +64,7 @@ def _cell(cell: Cell) -> dict[str, Any]:
         "group": EXTREMES[cell.extreme].group,
         "status": cell.status,
         "text": text.cell_text(cell),
-        "theirs": cell.theirs,
+        "excused": cell.excused,
         "unit": cell.unit,
         "against": cell.against,
         "bound": cell.bound,
@@ -111,7 +111,7 @@ def _finite(value: float | None) -> float | None:
 
 COLUMNS = (
     *("kind", "component", "extreme", "group", "level", "axis", "error", "unit", "bound", "precision"),
-    *("digits_lost", "outcome", "theirs", "reason", "cpu_seconds"),
+    *("digits_lost", "outcome", "excused", "reason", "cpu_seconds"),
 )
 
 
@@ -128,7 +128,7 @@ def table_csv(found: Map) -> str:
                 [
                     *(cell.kind, cell.component, cell.extreme, extreme.group, repr(each.at), extreme.axis),
                     *("" if error is None else repr(error), cell.unit, repr(cell.bound), repr(cell.precision)),
-                    *("" if error is None else f"{cell.lost(error):.3f}", outcome(each, cell), int(cell.theirs)),
+                    *("" if error is None else f"{cell.lost(error):.3f}", outcome(each, cell), int(cell.excused)),
                     *(" ".join(reason_of(each).split()), f"{each.seconds:.6f}"),
                 ]
             )
@@ -146,7 +146,8 @@ def markdown(found: Map) -> str:
         ]
         parts.append("\n".join(_line(row) for row in (head, ["---"] * len(head), *rows)))
     parts.append(
-        "Where a component passes its bound: in bold, of ours; in italics, by the arithmetic of others. Columns: "
+        "Where a component passes its bound: in bold, of ours; in italics, by the arithmetic of others or without a "
+        "safeguard. Columns: "
         + "; ".join(
             f"{e.name}: {e.title[0].lower()}{e.title[1:]} ({e.axis})"
             for g in text.grids(found.cells)
@@ -164,7 +165,7 @@ def _marked(cell: Cell) -> str:
     told = text.cell_text(cell)
     if not cell.breaks and cell.failed_from is None:
         return told
-    return f"*{told}*" if cell.theirs else f"**{told}**"
+    return f"*{told}*" if cell.excused else f"**{told}**"
 
 
 def _line(row: list[str]) -> str:

@@ -85,7 +85,7 @@ def _cell(cell: Cell, index: int) -> MapCell:
     if cell.refused_from is not None:
         marks.append("refused")
     if cell.breaks or cell.failed_from is not None:
-        marks.append("theirs" if cell.theirs else "ours")
+        marks.append("excused" if cell.excused else "ours")
     if cell.failed_from is not None:
         marks.append("failed")
     if cell.absent:
@@ -105,7 +105,8 @@ def _told(cell: Cell) -> str:
     """What became of a cell, in words."""
     told = STATUSES[cell.status]
     if cell.breaks:
-        told = f"breaks at {text.levels(cell.breaks, ' and ')}, {'not ours' if cell.theirs else 'ours'}"
+        whose = "by others or without a safeguard" if cell.excused else "ours"
+        told = f"breaks at {text.levels(cell.breaks, ' and ')}, {whose}"
     if cell.refused_from is not None:
         told += f", refuses at {text.level(cell.refused_from)}"
     if cell.failed_from is not None:
@@ -131,7 +132,11 @@ def _lists(found: Map) -> Iterable[tuple[str, str, tuple[Item, ...]]]:
     refused = [cell for cell in found.cells if cell.refused_from is not None]
     yield "Failed", "bad", (*items(found.failed, text.failure_text), *lost)
     yield "What breaks, and is ours", "bad", items(found.ours, text.break_text)
-    yield "What breaks by the arithmetic of others", "", items((c for c in found.broken if c.theirs), text.break_text)
+    yield (
+        "What breaks by the arithmetic of others, or without a safeguard",
+        "",
+        items((c for c in found.broken if c.excused), text.break_text),
+    )
     yield "What declines", "", items(refused, text.refusal_text)
     yield "What is not there", "", absent
 

@@ -119,10 +119,12 @@ def failure_text(cell: Cell) -> str:
 def summary(found: Map) -> str:
     """What came out, in a sentence."""
     kept = sum(cell.status in ("keeps", "refuses") for cell in found.cells)
-    theirs = len(found.broken) - len(found.ours)
+    excused = len(found.broken) - len(found.ours)
     parts = [f"{kept} of {len(found.cells)} cells keep their bounds"]
     if found.broken:
-        parts.append(f"{len(found.ours)} of ours and {theirs} by the arithmetic of others do not")
+        parts.append(
+            f"{len(found.ours)} of ours do not, nor {excused} by the arithmetic of others or without a safeguard"
+        )
     for count, what in (
         (sum(cell.refused_from is not None for cell in found.cells), "decline to go to the end"),
         (sum(bool(cell.absent) for cell in found.cells), "could not be measured for want of a library"),
@@ -243,7 +245,7 @@ def show(found: Map, console: Console) -> None:
 def lines(found: Map) -> list[str]:
     """What breaks, what declines, what failed, and the sum of it."""
     told = [f"breaks    {_named(cell)}: {break_text(cell)}" for cell in found.ours]
-    told += [f"theirs    {_named(cell)}: {break_text(cell)}" for cell in found.broken if cell.theirs]
+    told += [f"excused    {_named(cell)}: {break_text(cell)}" for cell in found.broken if cell.excused]
     told += [f"declines  {_named(cell)}: {refusal_text(cell)}" for cell in found.cells if cell.refused_from is not None]
     told += [f"FAILED    {_named(cell)}: {failure_text(cell)}" for cell in found.failed]
     told += [f"FAILED    the probes of {module}: {reason}" for module, reason in found.lost.items()]

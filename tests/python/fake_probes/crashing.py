@@ -22,6 +22,6 @@ def _raise(at: float) -> float:
 def probes() -> list[Probe]:
     return [
         probe("crashing", _crash),
-        probe("raising", _raise, theirs=True),
+        probe("raising", _raise, excused=True),
         probe("beside", lambda at: 0.0),
     ]

@@ -88,6 +88,7 @@ def _sum(component: str, measure: Callable[[float], float], levels: tuple[float,
         measure,
         () if "float" in component else (1e3,),
         note,
+        excused="float" in component,  # what doubles are the safeguard against
     )
 
 

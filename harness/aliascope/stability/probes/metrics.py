@@ -274,7 +274,7 @@ def probes() -> list[Probe]:
             functools.partial(_error, name, pictures, truth),
             levels[-1:] if name != "ssim" or extreme == "huge" else (),
             "" if own else "NVIDIA's package computes in float32, and shows no light above 1.",
-            theirs=not own,
+            excused=not own,
         )
 
     found = []

@@ -234,7 +234,7 @@ def _probe(
         functools.partial(measure, row),
         () if row != "embree" else levels[:1] + levels[-1:],
         _NOTES.get((row, extreme), ""),
-        theirs=files,
+        excused=files,
     )
 
 
