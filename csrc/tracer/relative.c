@@ -180,12 +180,12 @@ static void hold(const change *by, const double place[3], double radius, extent 
   change_place(by, from);
   const double depth = dot(from, by->forward);
   if (!finite3(from) || !isfinite(depth) || !isfinite(radius)) return; /* refused where the surfaces are taken */
-  held->nearest = fmin(held->nearest, depth - radius);
-  held->farthest = fmax(held->farthest, depth + radius);
+  held->nearest = -larger(-held->nearest, radius - depth);
+  held->farthest = larger(held->farthest, depth + radius);
   for (int i = 0; i < 3; i++) {
     out[i] = from[i] - depth * by->forward[i];
-    held->aside = fmax(held->aside, fabs(out[i]) + radius);
-    held->largest = fmax(held->largest, fabs(from[i]) + radius);
+    held->aside = larger(held->aside, fabs(out[i]) + radius);
+    held->largest = larger(held->largest, fabs(from[i]) + radius);
   }
 }
 
@@ -205,16 +205,13 @@ static extent hold_all(const asc_scene *scene, const change *by) {
 }
 
 /* Planes have no nearest place, and what moves none that is known here. */
-static double find_ahead(const asc_scene *scene, const change *by) {
+static double find_ahead(const asc_scene *scene, const extent *held) {
   if (scene->plane_count > 0 || scene->motion_count > 0) return 0.0;
-  const extent held = hold_all(scene, by);
-  const double size = fmax(held.farthest - held.nearest, held.aside);
-  return isfinite(size) && held.nearest > FAR_AWAY * size ? held.nearest - size : 0.0;
+  const double size = fmax(held->farthest - held->nearest, held->aside);
+  return isfinite(size) && held->nearest > FAR_AWAY * size ? held->nearest - size : 0.0;
 }
 
-static double find_unit(const asc_scene *scene, const change *by) {
-  double largest = hold_all(scene, by).largest;
-  const asc_view *view = &scene->view;
+static double find_unit(const asc_view *view, double largest) {
   if (view->projection == ASC_ORTHOGRAPHIC) largest = fmax(largest, fmax(view->half_width, view->half_height));
   if (!(largest > 0.0) || !isfinite(largest)) return 1.0;
   int exponent;
@@ -233,8 +230,10 @@ asc_status relative_take(const asc_scene *world, const tracer_options *options, 
   memcpy(by.forward, view->forward, sizeof by.forward);
   *made = (relative_scene){.scene = *world};
   if (!options->not_relative) {
-    by.ahead = find_ahead(world, &by);
-    by.unit = find_unit(world, &by);
+    extent held = hold_all(world, &by);
+    by.ahead = find_ahead(world, &held);
+    if (by.ahead > 0.0) held = hold_all(world, &by);
+    by.unit = find_unit(&world->view, held.largest);
   }
   if (!copy_all(made)) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for the scene's places");
   made->ahead = by.ahead * by.unit;

@@ -137,8 +137,25 @@ static triangle corners_of(const tracer *made, const asc_scene *scene, size_t nu
   return of;
 }
 
+/* Most triangles are so far away that no part of them can be near. */
+static int is_far(const nearness *by, const triangle *of) {
+  double nearest = INFINITY, longest = 0.0;
+  for (int k = 0; k < 3; k++) {
+    const double *a = of->corner[k], *b = of->corner[(k + 1) % 3];
+    double squared = 0.0, distance = 0.0;
+    for (int i = 0; i < (by->flat ? 2 : 3); i++) {
+      squared += (b[i] - a[i]) * (b[i] - a[i]);
+      distance += a[i] * a[i];
+    }
+    longest = larger(longest, squared);
+    nearest = nearest < distance ? nearest : distance;
+  }
+  return (RATIO + 2.0) * (RATIO + 2.0) * longest < nearest;
+}
+
 static int needs_cut(const nearness *by, const triangle *of) {
   double foot[3];
+  if (is_far(by, of)) return 0;
   for (int k = 0; k < 3; k++)
     if (excess(by, of->corner[k], of->corner[(k + 1) % 3]) > 1.0) return 1;
   return find_foot(by, of, foot);
@@ -148,7 +165,7 @@ static nearness nearness_of(const tracer *made, const asc_scene *scene) {
   double largest = 0.0;
   for (size_t i = 0; i < scene->triangle_count; i++) {
     const triangle of = corners_of(made, scene, i);
-    for (int k = 0; k < 9; k++) largest = fmax(largest, fabs(of.corner[k / 3][k % 3]));
+    for (int k = 0; k < 9; k++) largest = larger(largest, fabs(of.corner[k / 3][k % 3]));
   }
   const int flat = made->view.projection == ASC_ORTHOGRAPHIC;
   const double least = fmax(LEAST_SHARE * largest, flat ? made->view.half_height : 0.0);
