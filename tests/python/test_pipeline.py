@@ -124,7 +124,7 @@ def test_timed_jobs_run_alone_in_one_order_by_chance_and_are_measured_after_all_
     monkeypatch.setenv("OMP_NUM_THREADS", "1")  # which is set for the rest of the process
     monkeypatch.setattr(pipeline.metrics, "METRICS", {"rmse": None})
     monkeypatch.setattr(
-        pipeline.metrics, "measure", lambda *_: beside.append(len(timing.running)) or {"rmse": Measured(0.5)}
+        pipeline.metrics, "measure", lambda *_, **__: beside.append(len(timing.running)) or {"rmse": Measured(0.5)}
     )
     modes = {"povray": [f"regular:n={side * side}" for side in range(2, 8)], "embree": ["uniform:n=1,sampler=random"]}
     plan = jobs.make_plan([file], modes, seeds=4, size=(12, 9))

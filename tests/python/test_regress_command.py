@@ -298,7 +298,7 @@ def test_a_job_that_fails_ends_with_four_and_blesses_nothing(folder: Path, monke
     assert cell_of(said, SHOWN[0])[0].startswith("passed ")
     before = (folder / "refs" / "blessings.jsonl").read_bytes()
     said = complaint(*WORDS, "--bless", "*", "--reason", "crash", code=4, cwd=folder)
-    assert "nothing was blessed: tiny/embree/uniform:sampler=regular: the process" in said
+    assert "nothing was blessed: tiny/embree/uniform:sampler=regular: its process ended by SIGSEGV" in said
     assert (folder / "refs" / "blessings.jsonl").read_bytes() == before
 
 
