@@ -8,10 +8,10 @@ import pytest
 from aliascope import api, scene_io
 from aliascope.errors import InvalidInput, SpecError
 from aliascope.native.tracer import Options, Tracer
+from aliascope.placement import moved
 from aliascope.renderers import embree, mode_of
 from aliascope.specs import family, label
 from aliascope.stability.geometry_scenes import aimed_at
-from aliascope.stability.scenes import moved
 
 SIZE = (64, 48)
 

@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 from aliascope.errors import Unsupported
 from aliascope.geometry import Array, frame_of
 from aliascope.model import LoadedMesh, Scene
+from aliascope.placement import moved, scaled
 from aliascope.renderers.base import Renderer, Request, unable
 from aliascope.specs import parse
 from aliascope.stability import areas
 from aliascope.stability.areas import Point
-from aliascope.stability.scenes import moved, scaled
 
 SIZE = (24, 16)
 HEIGHT = 2.0

@@ -13,10 +13,10 @@ from aliascope import references, scene_io
 from aliascope.geometry import Array
 from aliascope.model import Scene, Vector
 from aliascope.native.tracer import Options, Tracer
+from aliascope.placement import moved, scaled
 from aliascope.stability import geometry_scenes as scenes
 from aliascope.stability.per_sample import BOUND, ONE_SAMPLE, SAMPLER, SEED, Setting, Truth, mean_error
 from aliascope.stability.records import Probe
-from aliascope.stability.scenes import moved, scaled
 
 SCENES = ("edge", "siemens-star", "spheres")
 SCENES_SIZE = (48, 36)

@@ -11,8 +11,8 @@ from aliascope import scene_io
 from aliascope.errors import InvalidInput
 from aliascope.model import LoadedMesh, Scene
 from aliascope.native.tracer import Tracer
+from aliascope.placement import moved, scaled
 from aliascope.stability.geometry_scenes import ball_on_a_floor, perspective
-from aliascope.stability.scenes import moved, scaled
 
 SIZE = (24, 18)
 
