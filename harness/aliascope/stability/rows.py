@@ -86,7 +86,7 @@ def probes_of(row: Row) -> list[Probe]:
         "on-samples",
         "pixels that an edge is off",
         "where the edge is",
-        1e-12,
+        EDGE_OFF,
         EDGE_OFF,
         ON_SAMPLES,
         partial(_off, row),

@@ -118,16 +118,14 @@ def failure_text(cell: Cell) -> str:
 
 def summary(found: Map) -> str:
     """What came out, in a sentence."""
-    kept = sum(cell.status in ("keeps", "refuses") for cell in found.cells)
-    excused = len(found.broken) - len(found.ours)
-    parts = [f"{kept} of {len(found.cells)} cells keep their bounds"]
-    if found.broken:
-        parts.append(
-            f"{len(found.ours)} of ours do not, nor {excused} by the arithmetic of others or without a safeguard"
-        )
+    excused = sum(cell.status == "breaks" and cell.excused for cell in found.cells)
+    ours = sum(cell.status == "breaks" and not cell.excused for cell in found.cells)
+    parts = [f"{sum(cell.status == 'keeps' for cell in found.cells)} of {len(found.cells)} cells keep their bounds"]
     for count, what in (
-        (sum(cell.refused_from is not None for cell in found.cells), "decline to go to the end"),
-        (sum(bool(cell.absent) for cell in found.cells), "could not be measured for want of a library"),
+        (sum(cell.status == "refuses" for cell in found.cells), "keep them until they decline"),
+        (ours, "of ours pass them"),
+        (excused, "pass them by the arithmetic of others, or without a safeguard"),
+        (sum(cell.status == "absent" for cell in found.cells), "could not be measured for want of a library"),
         (len(found.failed) + len(found.lost), "failed"),
     ):
         if count:

@@ -164,7 +164,7 @@ def _as_at_home(
             "RMSE over that at home, less 1",
             f"the references of {', '.join(SCENES)}",
             1e-3,
-            2e-2,
+            1e-2,
             levels,
             measured(options),
             quick if options.relative else (),

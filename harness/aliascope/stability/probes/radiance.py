@@ -218,6 +218,10 @@ _NOTES = {
 }
 
 
+_EXPOSED = {("povray", "bright"), ("povray", "dim")}
+"""What the exposure is for."""
+
+
 def _probe(
     row: str, extreme: str, unit: str, against: str, levels: tuple[float, ...], measure: Callable[[str, float], float]
 ) -> Probe:
@@ -232,9 +236,9 @@ def _probe(
         OF_FILES if coarse else OF_FLOAT,
         levels,
         functools.partial(measure, row),
-        () if row != "embree" else levels[:1] + levels[-1:],
+        levels[:1] + levels[-1:] if row == "embree" or (row, extreme) in _EXPOSED else (),
         _NOTES.get((row, extreme), ""),
-        excused=files,
+        excused=row.endswith("exposure=off") or (row, extreme) == ("povray", "output"),
     )
 
 
