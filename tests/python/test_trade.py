@@ -75,6 +75,13 @@ def test_the_front_over_scenes_is_that_of_their_means() -> None:
     assert analyse(scenes).front == ()
 
 
+def test_a_spread_known_from_two_wild_draws_overflows_nowhere() -> None:
+    """Student's t of one degree of freedom has draws that, as exponents, are beyond doubles."""
+    rows = [row("a", 4, [1e-9, 1e9], [1e-200, 1.0]), row("a", 8, [1e-9, 1e9], [1e-200, 1.0])]
+    scenes = [section(name, rows) for name in ("one", "two")]
+    assert all(0.0 <= each.probability <= 1.0 for each in analyse(scenes, together=["one", "two"]).front)
+
+
 def test_the_probability_is_that_of_the_slower_one_being_faster() -> None:
     slow, fast = (
         replace(found, cpu_seconds=Estimate(value, interval=(value / 1.1, value * 1.1)))

@@ -45,8 +45,9 @@ def front_over(scenes: Sequence[Points]) -> tuple[OnFront, ...]:
     if not common:
         return ()
     picked = [[each[mode] for mode in common] for each in modes]
-    times = np.mean([np.exp(own.times[i]) for own, i in zip(scenes, picked, strict=True)], axis=0)
-    squares = np.mean([np.exp(2.0 * own.errors[i]) for own, i in zip(scenes, picked, strict=True)], axis=0)
+    # As logarithms of sums: a spread that is known from two draws has tails that no double holds.
+    times = np.logaddexp.reduce([own.times[i] for own, i in zip(scenes, picked, strict=True)])
+    squares = np.logaddexp.reduce([2.0 * own.errors[i] for own, i in zip(scenes, picked, strict=True)])
     probability = undominated(times, squares).mean(axis=1)
     known = np.any([_known(own)[i] for own, i in zip(scenes, picked, strict=True)], axis=0)
     order = np.lexsort((times.mean(axis=1), -probability))

@@ -298,10 +298,15 @@ def satterthwaite(errors: Sequence[float], freedoms: Sequence[float]) -> tuple[f
     return math.ldexp(math.sqrt(total), exponent), total * total / shares if shares else math.inf
 
 
+LARGEST_EXPONENT = 700.0
+"""Of a double, nearly."""
+
+
 def ends(figures: Array) -> tuple[float | None, float | None]:
-    """Of the interval of 95 %, from logarithms (1 + DRAWS,); None at the end where the figure may not be reached."""
-    low, high = quantiles(figures)
-    return (math.exp(low) if low < math.inf else None, math.exp(high) if high < math.inf else None)
+    """Of the interval of 95 %, from logarithms (1 + DRAWS,); None at the end where the figure may not be reached, or is
+    one that no float has."""
+    low, high = (math.exp(end) if end < LARGEST_EXPONENT else None for end in quantiles(figures))
+    return low, high
 
 
 def quantiles(figures: Array) -> tuple[float, float]:
