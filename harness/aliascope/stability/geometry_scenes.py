@@ -54,12 +54,6 @@ def mesh(material: str, triangles: Array) -> LoadedMesh:
     return LoadedMesh(material=material, sha256="", triangles=triangles)
 
 
-def below_a_line(slope: float) -> tuple[Scene, Truth]:
-    """White under a line through the middle of the picture, which is 2 high."""
-    points = ((-2.0, -2.0 * slope, 0.0), (-2.0, -4.0, 0.0), (2.0, -4.0, 0.0), (2.0, 2.0 * slope, 0.0))
-    return made(orthographic(2.0), [polygon("white", *points)]), lambda u, v: (v < slope * u) * 1.0
-
-
 def sliver(length: float) -> tuple[Scene, Truth]:
     """A triangle across the picture, at 30 degrees: `length` long, 1 wide at its end and so 1/2 in the middle."""
     along, up = np.array([math.cos(math.pi / 6), 0.5, 0.0]), np.array([-0.5, math.cos(math.pi / 6), 0.0])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from aliascope.renderers.base import Renderer
-from aliascope.stability import subjects
+from aliascope.stability import edges, subjects
 from aliascope.stability.records import Probe
 from aliascope.stability.subjects import BOUND, QUANTUM, Subject
 
@@ -32,8 +32,6 @@ COLUMNS: Mapping[str, Column] = {
     "scaled": Column(subjects.resized, _tens(0, -12, -2) + _tens(2, 12, 2), (1e-9, 1e9)),
     "depth-range": Column(subjects.depth_range, _tens(0, 12), (1e6,), grid=False),
     "sliver": Column(subjects.sliver, _tens(0, 12), (1e9,)),
-    "near-axis": Column(subjects.near_axis, _tens(-3, -12, -1), (1e-9,)),
-    "near-diagonal": Column(subjects.near_diagonal, _tens(-3, -12, -1), (1e-9,)),
     "coplanar": Column(subjects.coplanar, _tens(0, -12, -1), (1e-6,), grid=False),
     "grazing": Column(subjects.grazing, _tens(1, -12, -1), (1e-6,)),
     "dense": Column(subjects.dense, _tens(0, 6), (1e2,)),
@@ -41,8 +39,6 @@ COLUMNS: Mapping[str, Column] = {
     "wide": Column(subjects.wide, (90.0, *_tens(1, -4, -1)), (1e-3,)),
     "shadow": Column(subjects.shadow, _tens(0, -12, -1) + _tens(1, 12), (1e-9, 1e9), grid=False),
 }
-
-ON_SAMPLES = (*_tens(-1, -12, -1), 0.0)
 
 
 @dataclass(frozen=True)
@@ -62,7 +58,7 @@ class Row:
 
 
 def probes_of(row: Row) -> list[Probe]:
-    """Those of COLUMNS, and `on-samples`."""
+    """Those of COLUMNS, and of edges beside samples."""
     found = []
     for extreme, column in COLUMNS.items():
         made = Probe(
@@ -80,25 +76,8 @@ def probes_of(row: Row) -> list[Probe]:
             extreme in row.excused,
         )
         found.append(made)
-    edge = Probe(
-        row.component,
-        "renderer",
-        "on-samples",
-        "pixels that an edge is off",
-        "where the edge is",
-        EDGE_OFF,
-        EDGE_OFF,
-        ON_SAMPLES,
-        partial(_off, row),
-        (1e-6, 0.0) if row.quick else (),
-        row.notes.get("on-samples", ""),
-        "on-samples" in row.excused,
-    )
-    return [*found, edge]
-
-
-EDGE_OFF = 7e-3
-"""Pixels: a tenth of the RMSE of the coverage of a pixel on an edge, by 16 samples on a grid, 1 / (4 sqrt(12))."""
+    beside = edges.probes_of(row.component, row.renderer, row.single, row.notes, row.excused, row.quick)
+    return [*found, *beside]
 
 
 def _error(row: Row, column: Column, at: float) -> float:
@@ -106,7 +85,3 @@ def _error(row: Row, column: Column, at: float) -> float:
     mode = row.grid if column.grid else row.single
     error = subjects.rms(subjects.picture(row.renderer, mode, subject.scene) - subject.truth)
     return error if subject.own is None else error / subject.own
-
-
-def _off(row: Row, at: float) -> float:
-    return subjects.edge_off(subjects.picture(row.renderer, row.single, subjects.on_samples(at)), at)

@@ -91,7 +91,7 @@ def _polygon(points: Sequence[Sequence[float]], emission: float) -> dict[str, An
     return {"type": "polygon", "material": str(emission), "points": points}
 
 
-def _of_polygons(polygons: Sequence[tuple[Sequence[Sequence[float]], float]], camera: Any = ABOVE) -> Scene:
+def of_polygons(polygons: Sequence[tuple[Sequence[Sequence[float]], float]], camera: Any = ABOVE) -> Scene:
     return _scene(camera, [_polygon(points, emission) for points, emission in polygons])
 
 
@@ -104,7 +104,7 @@ EDGES = (
 
 
 def _home() -> Subject:
-    return _flat(_of_polygons(EDGES), [(_seen(points), emission) for points, emission in EDGES])
+    return _flat(of_polygons(EDGES), [(_seen(points), emission) for points, emission in EDGES])
 
 
 def far(at: float) -> Subject:
@@ -126,39 +126,7 @@ def sliver(at: float) -> Subject:
         (0.02 - 0.5 * length, 0.28 - 0.05 * length, 0.0),
         (0.02 - 0.5 * length, -0.22 - 0.05 * length, 0.0),
     ]
-    return _flat(_of_polygons([(points, 0.9)]), [(_seen(points), 0.9)])
-
-
-def _half_plane(slope: float) -> Subject:
-    """What is below a line of that slope through (0.013, 0.037)."""
-    left, right = (0.037 + slope * (x - 0.013) for x in (-3.0, 3.0))
-    points = [(-3.0, -5.0, 0.0), (3.0, -5.0, 0.0), (3.0, right, 0.0), (-3.0, left, 0.0)]
-    return _flat(_of_polygons([(points, 0.9)]), [(_seen(points), 0.9)])
-
-
-def near_axis(at: float) -> Subject:
-    return _half_plane(at)
-
-
-def near_diagonal(at: float) -> Subject:
-    return _half_plane(1.0 + at)
-
-
-def on_samples(at: float) -> Scene:
-    """Two faces that share a vertical edge, `at` pixels to the right of the middles of column 12: 0.25 and 0.75."""
-    edge = (0.5 + at) / 8.0
-    left = [(-2.0, -2.0, 0.0), (edge, -2.0, 0.0), (edge, 2.0, 0.0), (-2.0, 2.0, 0.0)]
-    right = [(edge, -2.0, 0.0), (2.0, -2.0, 0.0), (2.0, 2.0, 0.0), (edge, 2.0, 0.0)]
-    return _of_polygons([(left, 0.25), (right, 0.75)])
-
-
-def edge_off(picture: Array, at: float) -> float:
-    """By how many pixels the edge of `on_samples` is drawn off, of a picture with a sample at the middles of pixels; 1
-    where anything but the two faces is seen."""
-    left, right = (np.abs(picture - emission) < 2.0 * QUANTUM for emission in (0.25, 0.75))
-    if not (left | right).all() or not left[:, :12].all() or not right[:, 13:].all():
-        return 1.0
-    return 0.0 if left[:, 12].all() else at
+    return _flat(of_polygons([(points, 0.9)]), [(_seen(points), 0.9)])
 
 
 def depth_range(at: float) -> Subject:
@@ -185,7 +153,7 @@ def depth_range(at: float) -> Subject:
         "look_at": (0.0, 0.0, -1.0),
         "vertical_fov_degrees": degrees,
     }
-    return Subject(_of_polygons(polygons, camera), np.repeat(truth[..., np.newaxis], 3, axis=2))
+    return Subject(of_polygons(polygons, camera), np.repeat(truth[..., np.newaxis], 3, axis=2))
 
 
 def coplanar(at: float) -> Subject:
@@ -201,7 +169,7 @@ def coplanar(at: float) -> Subject:
     truth = np.full(SIZE[::-1], 0.25)
     for left in (2, 10):
         truth[4:12, left : left + 4] = 0.75
-    scene = _of_polygons([before, whole, after, behind])
+    scene = of_polygons([before, whole, after, behind])
     return Subject(scene, np.repeat(truth[..., np.newaxis], 3, axis=2))
 
 
@@ -212,7 +180,7 @@ def grazing(at: float) -> Subject:
     floor = [(x, 0.0, -y / sine) for x, y in outline]
     away = 4.0 + 1.0 / sine
     camera = {**ABOVE, "eye": (0.0, away * sine, away * cosine)}
-    return _flat(_of_polygons([(floor, 0.9)], camera), [(_seen(outline), 0.9)])
+    return _flat(of_polygons([(floor, 0.9)], camera), [(_seen(outline), 0.9)])
 
 
 def _angle_of_view(degrees: float) -> Subject:
@@ -224,7 +192,7 @@ def _angle_of_view(degrees: float) -> Subject:
         "look_at": (0.0, 0.0, 0.0),
         "vertical_fov_degrees": degrees,
     }
-    return _flat(_of_polygons(EDGES, camera), [(_seen(points), emission) for points, emission in EDGES])
+    return _flat(of_polygons(EDGES, camera), [(_seen(points), emission) for points, emission in EDGES])
 
 
 def narrow(at: float) -> Subject:
@@ -243,7 +211,7 @@ def dense(at: float) -> Subject:
     corner = np.stack(np.broadcast_arrays(x[np.newaxis, :], y[:, np.newaxis], 0.0), axis=-1)
     a, b, c, d = corner[:-1, :-1], corner[:-1, 1:], corner[1:, 1:], corner[1:, :-1]
     triangles = np.concatenate([np.stack([a, b, c], axis=2), np.stack([a, c, d], axis=2)]).reshape(-1, 3, 3)
-    scene = _of_polygons([([(5.0, 5.0, 0.0), (6.0, 5.0, 0.0), (6.0, 6.0, 0.0)], 0.9)])
+    scene = of_polygons([([(5.0, 5.0, 0.0), (6.0, 5.0, 0.0), (6.0, 6.0, 0.0)], 0.9)])
     mesh = LoadedMesh(material="0.9", sha256=f"dense {side}", triangles=triangles)
     square = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])]
     return _flat(scene.with_meshes({0: mesh}), [(_seen([(float(u), float(v)) for u, v in square]), 0.9)])

@@ -14,6 +14,8 @@ from aliascope.geometry import Array
 from aliascope.model import Scene, Vector
 from aliascope.native.tracer import Options, Tracer
 from aliascope.placement import moved, scaled
+from aliascope.renderers.embree import RENDERER
+from aliascope.stability import edges
 from aliascope.stability import geometry_scenes as scenes
 from aliascope.stability.per_sample import BOUND, ONE_SAMPLE, SAMPLER, SEED, Setting, Truth, mean_error
 from aliascope.stability.records import Probe
@@ -35,14 +37,12 @@ def probes() -> list[Probe]:
         *_and_switched(
             _per_sample("sliver", tuple(10.0**k for k in range(1, 10)), scenes.sliver, (1e6,)), scenes.sliver
         ),
-        _per_sample("near-axis", _small(3, 12), lambda at: scenes.below_a_line(at), (1e-6,)),
-        _per_sample("near-diagonal", _small(3, 12), lambda at: scenes.below_a_line(1.0 + at), (1e-6,)),
         _per_sample("grazing", _small(0, 12), _grazing, (1e-6,)),
         *_and_switched(_per_sample("narrow", _small(-1, 6), _narrow, (1e-6,)), _narrow),
         _per_sample("wide", _small(-1, 3), lambda at: scenes.room(180.0 - at), (1e-3,)),
         _per_sample("shadow", tuple(10.0**k for k in range(-12, 13, 3)), _shadow, (1e-9, 1e9)),
         *_coplanar(),
-        *_on_samples(),
+        *edges.probes_of("embree", RENDERER, RENDERER.single_mode, {"on-samples": FLOATS}),
         *_dense(),
         *_watertight(),
     ]
@@ -187,38 +187,7 @@ def _scaled(scene: Scene, by: float) -> Scene:
 # --- edges through samples, many triangles, rays aimed at corners -----------------------------------------------------
 
 
-def _on_samples() -> list[Probe]:
-    """One sample in the middle of each pixel, and a white face over a black one, which share an edge so far above the
-    middles of a row, and one so far to the right of a corner of four pixels."""
-    setting = Setting(size=(64, 64), count=1, sampler="regular")
-
-    def make(away: float) -> tuple[Scene, Truth]:
-        height, unit = 64.0, away
-        edge = 0.5 + unit
-        low = [(-40.0, -40.0, 0.0), (40.0, -40.0, 0.0), (40.0, edge, 0.0), (-40.0, edge, 0.0)]
-        high = [(-40.0, edge, 0.0), (40.0, edge, 0.0), (40.0, 40.0, 0.0), (-40.0, 40.0, 0.0)]
-        surfaces = [scenes.polygon("white", *low), scenes.polygon("black", *high)]
-        return scenes.made(scenes.orthographic(height), surfaces), lambda u, v: (v < edge) * 1.0
-
-    def measure(away: float) -> float:
-        return mean_error(*make(away), setting=setting)
-
-    return [
-        Probe(
-            "embree",
-            "renderer",
-            "on-samples",
-            "mean error, of a radiance of 1",
-            "the same samples, in double",
-            1.0 / 64**2,
-            0.5 / 64**2,
-            _small(1, 12),
-            measure,
-            (1e-3,),
-            "Corners are floats from the eye: an edge nearer to a sample than 2^-24 of its place may fall on it.",
-            excused=True,
-        )
-    ]
+FLOATS = "Corners are floats from the eye: an edge nearer to a sample than 2^-24 of its place may fall on it."
 
 
 def _dense() -> list[Probe]:

@@ -9,10 +9,17 @@ from aliascope.stability.extremes import EXTREMES
 from aliascope.stability.records import Probe
 from aliascope.stability.rows import Row, probes_of
 
+SNAPPED = (
+    "Corners are snapped to 1/256 pixel: the edge lies up to 0.0011 pixels off, and one 1e-4 pixels from a sample is on "
+    "its other side."
+)
+
 NOTES: Mapping[str, str] = {
     "coplanar": "A face 1e-7 units before another is behind it in places: depth is float, and in an orthographic view "
     "its step is 2^-23 of the range of all depths; `compare` leaves the cell empty from one part in 2^22 on.",
-    "on-samples": "Corners are snapped to 1/256 pixel: an edge 1e-4 pixels from a sample is drawn on its other side.",
+    "near-axis": SNAPPED,
+    "near-diagonal": SNAPPED,
+    "on-samples": SNAPPED,
 }
 
 AS_THEY_ARE: Mapping[str, str] = {
@@ -23,7 +30,15 @@ AS_THEY_ARE: Mapping[str, str] = {
 }
 
 ROWS = (
-    Row("osmesa", RENDERER, "accumulate:n=16,sampler=regular", "none", NOTES, {}, {"coplanar"}),
+    Row(
+        "osmesa",
+        RENDERER,
+        "accumulate:n=16,sampler=regular",
+        "none",
+        NOTES,
+        {},
+        {"coplanar", "near-axis", "near-diagonal"},
+    ),
     Row(
         "osmesa:recentre=0",
         RENDERER,
