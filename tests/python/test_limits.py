@@ -14,7 +14,12 @@ from aliascope.stability import areas, subjects
 from aliascope.stability.extremes import EXTREMES
 from aliascope.stability.subjects import Subject
 
-GRIDS = {"povray": "regular:n=16", "osmesa": "accumulate:n=16,sampler=regular"}
+GRIDS = {
+    "povray": "regular:n=16",
+    "osmesa": "accumulate:n=16,sampler=regular",
+    "embree": "uniform:n=16,sampler=regular",
+}
+SWITCHED = {"povray": "recentre=0", "osmesa": "recentre=0", "embree": "relative=off"}
 
 CASES = [
     ("povray", "grazing", subjects.grazing, 6e-9, 5e-9),
@@ -22,6 +27,8 @@ CASES = [
     ("povray", "shadow", subjects.shadow, 1e-1, 1e-3),
     ("osmesa", "far", subjects.far, 1e5, 1e7),
     ("osmesa", "coplanar", subjects.coplanar, 1e-6, 1e-7),
+    ("embree", "far", subjects.far, 1e3, 1e7),
+    ("embree", "coplanar", subjects.coplanar, 1e-5, 1e-8),
 ]
 """Renderer, extreme, the last level within the limit that is tried, and one past it at which the picture is wrong."""
 
@@ -31,8 +38,8 @@ def limit_of(renderer: str, extreme: str) -> limits.Limit:
 
 
 def mode_for(renderer: str, subject: Subject, as_they_are: bool) -> str:
-    mode = GRIDS[renderer] if subject.own is not None else "none"
-    return f"{mode}{',' if ':' in mode else ':'}recentre=0" if as_they_are else mode
+    mode = GRIDS[renderer] if subject.own is not None else BUILT_IN[renderer].single_mode
+    return f"{mode}{',' if ':' in mode else ':'}{SWITCHED[renderer]}" if as_they_are else mode
 
 
 def test_each_limit_is_tried() -> None:
@@ -57,7 +64,7 @@ def test_past_the_limit_pictures_are_wrong_and_refused(renderer, extreme, made, 
             assert reason is None
             continue
         assert reason is not None
-        assert ("recentre=1" in reason) == limit.as_they_are
+        assert (": take " in reason) == limit.as_they_are
         file = SceneFile("extreme", "extreme.toml", subject.scene)
         with pytest.raises(Unsupported, match="extreme: "):
             api.render(file, renderer, mode)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from aliascope.errors import NotAvailable, Unsupported
-from aliascope.stability.records import Probe, Reading
+from aliascope.stability.records import NEVER, Probe, Reading
 from aliascope.stability.running import all_probes, run
 
 
@@ -49,6 +49,27 @@ def test_both_ways_from_the_mildest_level() -> None:
     assert (cell.breaks, cell.breaks_at) == ((0.01, 100.0), 0.01)
     assert run(made(lambda at: at, (1.0, 0.1, 10.0))).breaks == (1.0,)
     assert run(made(lambda at: 0.0)).breaks == ()
+
+
+def test_from_some_level_on_a_break_is_excused() -> None:
+    probe = replace(made(lambda at: at / 50.0), excused_from=100.0)
+    assert run(probe).excused is False  # at 10 already
+    assert run(replace(probe, bound=0.5)).excused is True
+    assert run(replace(probe, bound=5.0)).excused is False  # nothing to be excused
+
+
+def test_declining_too_early_is_a_failure() -> None:
+    def measure(at: float) -> float:
+        if at > 1.0:
+            raise Unsupported("no more than 1")
+        return 0.0
+
+    assert run(made(measure)).status == "refuses"
+    assert run(replace(made(measure), refuses_from=10.0)).status == "refuses"
+    for level in (100.0, NEVER):
+        cell = run(replace(made(measure), refuses_from=level))
+        assert (cell.status, cell.failed_from) == ("failed", 10.0)
+        assert cell.readings[1].failed == "declined, which it may not here: no more than 1"
 
 
 def test_what_nobody_foresaw_is_told() -> None:

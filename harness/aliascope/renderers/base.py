@@ -40,6 +40,9 @@ RECENTRE = Key(
 )
 """Of renderers whose arithmetic ends sooner than that of the scene's doubles."""
 
+AS_THEY_ARE = {RECENTRE.name: "0", "relative": "off"}
+"""Keys of modes, and with what value coordinates go over as they are."""
+
 
 def as_drawn(scene: Scene, mode: Spec) -> Scene:
     """The scene in the place and at the size in which a mode with the key `recentre` draws it."""
@@ -129,7 +132,7 @@ def filter_of(mode: Spec) -> str:
 def lacks(renderer: Renderer, scene: Scene, mode: Spec) -> str | None:
     """The reason for an empty cell: the features of the scene that the renderer does not draw, the mode's own, or a
     measured limit past which its pictures are not right."""
-    as_they_are = RECENTRE.name in mode.values and not mode.integer(RECENTRE.name)
+    as_they_are = any(key in mode.values and mode.word(key) == off for key, off in AS_THEY_ARE.items())
     return unable(renderer, scene, mode) or limits.beyond(renderer.name, scene, as_they_are)
 
 

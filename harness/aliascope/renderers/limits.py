@@ -3,7 +3,7 @@
 Each is a quantity of a scene, and the most of it with which a picture was still what it should be. Past it a renderer
 leaves things out, or puts the wrong ones in front, without a word; so the cell stays empty, with the reason. Made with
 
-    aliascope stability --group geometry 'povray*' 'osmesa*'
+    aliascope stability --group geometry 'povray*' 'osmesa*' 'embree*'
 
 whose tables say where each breaks. What else POV-Ray leaves out, it refuses by itself: `povray_limits`.
 """
@@ -37,7 +37,8 @@ MOST_FACES = 1000
 @dataclass(frozen=True)
 class Limit:
     """`of` measures a scene; past `most` the renderer is wrong. `reason` has the quantity and the limit as {has} and
-    {most}. as_they_are: only where coordinates go over as they are (`recentre=0`). extreme: the column of the map."""
+    {most}. as_they_are: only where coordinates go over as they are (`recentre=0`, `relative=off`). extreme: the column of
+    the map."""
 
     renderer: str
     extreme: str
@@ -272,5 +273,21 @@ LIMITS: tuple[Limit, ...] = (
         _narrowest_gap,
         "OpenGL's depth is float, and one face lies before another by 1/{has} of the depth: below 1/{most} it cannot "
         "tell which is in front",
+    ),
+    Limit(
+        "embree",
+        "far",
+        0.01,
+        _rounded_pixels,
+        "coordinates as float are off by {has} pixels, past {most}: take relative=on",
+        as_they_are=True,
+    ),
+    Limit(
+        "embree",
+        "coplanar",
+        2.0**22,
+        _narrowest_gap,
+        "Embree's distances are float, and one face lies before another by 1/{has} of the depth: below 1/{most} it "
+        "cannot tell which is in front",
     ),
 )

@@ -15,7 +15,7 @@ import numpy as np
 from aliascope.geometry import Array
 from aliascope.model import Scene
 from aliascope.renderers.base import Renderer
-from aliascope.stability.records import Probe
+from aliascope.stability.records import NEVER, Probe
 from aliascope.stability.subjects import QUANTUM, SIZE, of_polygons, picture
 
 PIXELS = 8.0
@@ -111,6 +111,7 @@ def probes_of(
             few if quick else (),
             notes.get(extreme, ""),
             extreme in excused,
+            refuses_from=NEVER,
         )
         for extreme, (make, levels, few) in _EDGES.items()
     ]

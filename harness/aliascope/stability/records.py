@@ -26,6 +26,10 @@ class Extreme:
     both_ways: bool = False
 
 
+NEVER = math.inf
+"""A component may not decline at any level."""
+
+
 @dataclass(frozen=True)
 class Probe:
     """One component at one extreme.
@@ -37,7 +41,8 @@ class Probe:
     error that cannot be fallen below, of the format of the result (2^-53 for doubles): digits are lost from there.
     `against` says in a few words what the truth is. `quick` are the levels that a test can afford. `excused`: where it
     breaks, it is another program's arithmetic that does (POV-Ray's, Embree's, Mesa's), or a safeguard of ours is
-    switched off in this row, and no check fails.
+    switched off in this row, and no check fails; `excused_from`: from this level on. `refuses_from` is the first level
+    at which the component may decline, where that is known; earlier, declining is a failure. NEVER: at none.
     """
 
     component: str
@@ -52,6 +57,8 @@ class Probe:
     quick: tuple[float, ...] = ()
     note: str = ""
     excused: bool = False
+    excused_from: float | None = None
+    refuses_from: float | None = None
 
     @property
     def name(self) -> str:

@@ -101,7 +101,9 @@ def run(probe: Probe, levels: Iterable[float] | None = None) -> Cell:
 
 def cell_of(probe: Probe, readings: Sequence[Reading], absent: str = "") -> Cell:
     """What was found of a probe."""
-    return Cell(
+    order = {at: i for i, at in enumerate(from_mild(probe, probe.levels))}
+    found = tuple(_allowed(probe, each, order) for each in readings)
+    cell = Cell(
         probe.component,
         probe.kind,
         probe.extreme,
@@ -109,11 +111,23 @@ def cell_of(probe: Probe, readings: Sequence[Reading], absent: str = "") -> Cell
         probe.against,
         probe.precision,
         probe.bound,
-        tuple(readings),
+        found,
         probe.note,
         probe.excused,
         absent,
     )
+    if probe.excused_from is None or cell.breaks_at is None:
+        return cell
+    return replace(cell, excused=probe.excused or order.get(cell.breaks_at, 0) >= order[probe.excused_from])
+
+
+def _allowed(probe: Probe, reading: Reading, order: Mapping[float, int]) -> Reading:
+    """The reading, as a failure where the component declined and may not."""
+    if not reading.refused or probe.refuses_from is None:
+        return reading
+    if order.get(reading.at, 0) >= order.get(probe.refuses_from, len(order)):
+        return reading
+    return replace(reading, refused="", failed=f"declined, which it may not here: {reading.refused}")
 
 
 def _reading(probe: Probe, at: float) -> Reading:

@@ -10,8 +10,8 @@ from aliascope.stability.records import Probe
 from aliascope.stability.rows import Row, probes_of
 
 SNAPPED = (
-    "Corners are snapped to 1/256 pixel: the edge lies up to 0.0011 pixels off, and one 1e-4 pixels from a sample is on "
-    "its other side."
+    "Corners are snapped to 1/256 pixel: the edge lies up to 0.0011 pixels off, and one 1e-4 pixels from a sample is "
+    "on its other side."
 )
 
 NOTES: Mapping[str, str] = {
@@ -38,6 +38,7 @@ ROWS = (
         NOTES,
         {},
         {"coplanar", "near-axis", "near-diagonal"},
+        {},
     ),
     Row(
         "osmesa:recentre=0",

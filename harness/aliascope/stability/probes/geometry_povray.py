@@ -30,7 +30,7 @@ AS_THEY_ARE: Mapping[str, str] = {
 }
 
 ROWS = (
-    Row("povray", RENDERER, "regular:n=16", "none", NOTES, {}, {"grazing"}),
+    Row("povray", RENDERER, "regular:n=16", "none", NOTES, {}, {"grazing"}, {"depth-range": 1e11, "wide": 1e-4}),
     Row(
         "povray:recentre=0",
         RENDERER,
