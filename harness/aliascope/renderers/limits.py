@@ -37,8 +37,8 @@ MOST_FACES = 1000
 @dataclass(frozen=True)
 class Limit:
     """`of` measures a scene; past `most` the renderer is wrong. `reason` has the quantity and the limit as {has} and
-    {most}. as_they_are: only where coordinates go over as they are (`recentre=0`, `relative=off`). extreme: the column of
-    the map."""
+    {most}. as_they_are: only where coordinates go over as they are (`recentre=0`, `relative=off`). extreme: the column
+    of the map."""
 
     renderer: str
     extreme: str

@@ -77,12 +77,15 @@ def _measured(spec: str, truth: Truth, made: Callable[[float], Table], at: float
 
 
 def _edge(made: Callable[[float], Table], at: float) -> float:
-    """That of the edge which `edge-max` says it is met at."""
+    """That of the edge which `edge-max` says it is met at; 1 where no edge has as much. Whether its search finds the worst
+    edge is no matter of arithmetic."""
     points = made(at)
     found = measure("edge-max:draws=64", points, seed=1)
     line = (Fraction(found.witness[0]), Fraction(found.witness[1]), Fraction(found.witness[2]))
+    fractions = _fractions(points)
+    own = abs(planes.excess(line, fractions))
     with mpmath.workdps(DIGITS):
-        return relative(found.value, abs(planes.excess(line, _fractions(points))))
+        return relative(found.value, own) if own <= planes.half_plane(fractions) else 1.0
 
 
 def _t_value(made: Callable[[float], Table], at: float) -> float:
@@ -117,6 +120,8 @@ def _probe(component: str, extreme: str, run: Callable[[float], float], levels: 
     unit, against, precision, bound = "relative", "fractions of the same doubles", ROUNDING, BOUND
     if component == "t-value":
         unit, precision, bound = "t", 1.0, 0.0
+    if component == "edge-max":
+        against = "fractions, of the edge that it names, and no more than any edge has"
     quick = _quick(levels) if component != "box" else levels[1:2]  # whose truth takes the longest
     return Probe(component, "measure", extreme, unit, against, precision, bound, levels, run, quick)
 
