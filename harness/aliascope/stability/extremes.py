@@ -33,7 +33,7 @@ _ALL = (
     Extreme("index", "counts", "Late points of a sequence", "index"),
     Extreme("prime", "counts", "A number of points that is prime", "points"),
     Extreme("dimensions", "counts", "Many dimensions", "dimensions"),
-    Extreme("picture-size", "counts", "Pictures of one row or column", "pixels"),
+    Extreme("picture-size", "counts", "Pictures of one row", "pixels"),
     Extreme("mean", "statistics", "A mean far above the deviation", "mean over deviation"),
     Extreme("zero-variance", "statistics", "Values that are all alike", "values"),
     Extreme("black", "statistics", "Contrast of black on black", "radiance"),

@@ -16,7 +16,7 @@ SNAPPED = (
 
 NOTES: Mapping[str, str] = {
     "coplanar": "A face 1e-7 units before another is behind it in places: depth is float, and in an orthographic view "
-    "its step is 2^-23 of the range of all depths; `compare` leaves the cell empty from one part in 2^22 on.",
+    "its step is 2^-23 of the range of all depths; compare leaves the cell empty from one part in 2^22 on.",
     "near-axis": SNAPPED,
     "near-diagonal": SNAPPED,
     "on-samples": SNAPPED,

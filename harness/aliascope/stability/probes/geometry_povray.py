@@ -13,7 +13,7 @@ NOTES: Mapping[str, str] = {
     "depth-range": "Refused from a ratio of 1e11 on: it sees nothing nearer than 1e-4 units nor beyond 1e7, and no "
     "scale brings both ends between.",
     "grazing": "Triangles, discs and planes are missed by rays that meet them at a sine below 1e-10: from 5.7e-9 "
-    "degrees on nothing is left, and `compare` leaves the cell empty.",
+    "degrees on nothing is left, and compare leaves the cell empty.",
     "on-samples": "A sample on an edge sees the one face or the other, and never neither.",
     "wide": "Refused from 1e-4 degrees on: what is ahead and what is in the corners are farther apart than its range.",
 }

@@ -77,8 +77,8 @@ def _measured(spec: str, truth: Truth, made: Callable[[float], Table], at: float
 
 
 def _edge(made: Callable[[float], Table], at: float) -> float:
-    """That of the edge which `edge-max` says it is met at; 1 where no edge has as much. Whether its search finds the worst
-    edge is no matter of arithmetic."""
+    """That of the edge which `edge-max` says it is met at; 1 where no edge has as much. Whether its search finds the
+    worst edge is no matter of arithmetic."""
     points = made(at)
     found = measure("edge-max:draws=64", points, seed=1)
     line = (Fraction(found.witness[0]), Fraction(found.witness[1]), Fraction(found.witness[2]))
