@@ -48,8 +48,8 @@ typedef struct film_cell_compensated {
 static inline void film_add_compensated(film_cell_compensated *into, film_cell_single value) {
   const film_cell_single before = into->sum, after = before + value, added = after - before;
   const film_cell_single rounded = ((before - (after - added)) + (value - added)) + into->lost;
-  /* Past the largest float it is no number; the sum then stays infinite. */
-  const film_cell_single lost = (film_cell_single)((film_bits)rounded & (rounded == rounded));
+  /* Past the largest float it is no number, nor is zero times that; the sum then stays infinite. */
+  const film_cell_single lost = (film_cell_single)((film_bits)rounded & (rounded * 0.0F == (film_cell_single){0}));
   into->sum = after + lost;
   into->lost = lost - (into->sum - after);
 }
