@@ -245,7 +245,7 @@ def test_which_one_says_how_sure_it_is(open_page: Open, data: ReportData, tmp_pa
     page = open_page("#over=scene&scene=edge&error=0.06")
     best = page.locator(".answer .best").first.inner_text()
     assert "uniform sobol, n=16" in best
-    assert "± 0.0006" in best
+    assert "±\u00a00.0006" in best
     assert "0.00163 to 0.00170" in best
     sure = page.locator(".answer .sure").inner_text()
     assert "No other mode is as good" in sure

@@ -200,7 +200,7 @@ class Chooser {
     const ends = endsOf(row.cpu);
     const cell = (text, spread) => h("td", { class: "number" }, text, spread ? h("small", {}, spread) : null);
     return h("tr", { class: best ? "best" : null }, name,
-      cell(figure(value), value === null ? "" : uncertainty(value, error)),
+      cell(figure(value), value === null ? "" : uncertainty(value, error).replace(" ", "\u00a0")),
       cell(figure(row.cpu[0]), ends ? rangeText(...ends) : ""));
   }
 }

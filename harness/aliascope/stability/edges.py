@@ -38,7 +38,8 @@ def _samples() -> tuple[Array, Array]:
     """u and v of the middles of pixels, (height, width)."""
     width, height = SIZE
     right, down = np.arange(width) + 0.5, np.arange(height)[:, np.newaxis] + 0.5
-    return np.broadcast_arrays((right - width / 2) / PIXELS, (height / 2 - down) / PIXELS)  # type: ignore[return-value]
+    u, v = np.broadcast_arrays((right - width / 2) / PIXELS, (height / 2 - down) / PIXELS)
+    return u, v
 
 
 def near_axis(slope: float) -> Edge:
