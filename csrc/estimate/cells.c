@@ -262,7 +262,7 @@ static asc_status start_afresh(asc_field *of, const asc_group *group, asc_integr
     owner->spent += fresh;
     *spent += fresh;
   }
-  const asc_status status = asc_take(of->self, draws, count, integrand, context, error);
+  const asc_status status = asc_take(of->self, group, draws, count, integrand, context, error);
   free(draws);
   return status;
 }
@@ -299,18 +299,22 @@ static void write_pixel(const asc_field *of, uint32_t pixel, size_t number, asc_
   if (made->counts) made->counts[number] = from->spent;
 }
 
+static asc_status fail(const asc_field *of, asc_status status, asc_error *error) {
+  return asc_fail(error, status, "%s", of->failure.text[0] ? of->failure.text : asc_status_text(status));
+}
+
 static asc_status run(asc_field *of, const asc_group *group, asc_integrand integrand, void *context,
                       asc_estimates *made, asc_error *error) {
   const uint64_t most = deciding(of->self, of->how);
   uint64_t spent = 0;
   asc_status status = begin(of);
-  if (status) return asc_fail(error, status, "out of memory");
+  if (status) return fail(of, status, error);
   for (int first = 1; of->asked; first = 0) {
     status = asc_field_take(of, integrand, context, &spent, error);
     if (status) return status;
     status = first ? make_all_cells(of, group) : ASC_OK;
     if (status == ASC_OK) status = decide(of, group, most);
-    if (status) return asc_fail(error, status, "%s", asc_status_text(status));
+    if (status) return fail(of, status, error);
   }
   if (of->how->unbiased) status = start_afresh(of, group, integrand, context, &spent, error);
   if (status) return status;

@@ -50,12 +50,21 @@ typedef struct asc_draw {
   double *values;             /* [count][channels], where they are kept; may be NULL */
 } asc_draw;
 
-/* Takes all these samples, many of them with one call of the integrand. */
-asc_status asc_take(const asc_estimator *self, const asc_draw *draws, size_t count, asc_integrand integrand,
-                    void *context, asc_error *error);
+/* Takes all these samples, many of them with one call of the integrand. The group is the one that was asked for: what
+ * fails in a pixel outside of it is told of the pixel of the group that is next to that one. */
+asc_status asc_take(const asc_estimator *self, const asc_group *group, const asc_draw *draws, size_t count,
+                    asc_integrand integrand, void *context, asc_error *error);
 
-/* What is said of a value that cannot be added. Returns `status`. */
-asc_status asc_fail_value(asc_error *error, asc_status status, asc_pixel pixel);
+/* Tells of a sample whose values cannot be added: of which pixel of the group, the first channel that is not finite (or
+ * else the largest), its value, and where the sample is, (dimensions) in its own pixel. Returns `status`. */
+asc_status asc_fail_value(const asc_estimator *self, const asc_group *group, asc_pixel pixel, const double *point,
+                          const double *values, asc_status status, asc_error *error);
+
+/* Tells of samples that the sampler did not give, of all its dimensions, and of weights. Return `status`. */
+asc_status asc_fail_samples(const asc_sampler *sampler, const asc_group *group, const asc_range *range,
+                            const double *points, asc_status status, asc_error *error);
+asc_status asc_fail_weights(const asc_sampler *sampler, uint64_t first, size_t count, const double *weights,
+                            asc_status status, asc_error *error);
 
 /* Makes `fresh`, the same pattern with the seed xor 0x9e3779b97f4a7c15: Kirk and Arvo 1991 ask for samples that know
  * nothing of those that decided, and the next points of a sequence lie where its first do not. ASC_UNSUPPORTED for a

@@ -8,7 +8,7 @@
 asc_status asc_field_make(asc_field *made, const asc_estimator *self, const asc_cells *how, const asc_group *group) {
   const uint32_t reach = asc_cells_reach(how->margin);
   const int32_t out = (int32_t)reach;
-  *made = (asc_field){.self = self, .how = how, .reach = reach};
+  *made = (asc_field){.self = self, .how = how, .group = *group, .reach = reach};
   made->area = (asc_group){group->x - out, group->y - out, group->columns + 2 * reach, group->rows + 2 * reach};
   made->keeps = reach > 0 || how->side > 1 || how->refinement == ASC_BY_SPLITTING;
   const size_t pixels = (size_t)made->area.columns * made->area.rows;
@@ -109,7 +109,7 @@ asc_status asc_field_wish(asc_field *of, uint32_t pixel, uint64_t end, uint64_t 
     if (status) return status;
     double *points = of->wished_points + (size_t)of->wish_count * dimensions;
     status = asc_sampler_fill(of->self->sampler, &range, points);
-    if (status) return status;
+    if (status) return asc_fail_samples(of->self->sampler, &of->group, &range, points, status, &of->failure);
     for (size_t i = 0; i < range.sample_count && from->spent < most; i++) {
       const double *point = points + i * dimensions;
       const uint32_t cell = cell_at(of, pixel, point);
@@ -162,7 +162,10 @@ static asc_status take_some(asc_field *of, uint32_t first, uint32_t count, asc_i
     asc_tally *tally = of->tallies + (size_t)cell * channels;
     asc_tally_add_known(tally, channels, value);
     for (uint32_t c = 0; c < channels; c++)
-      if (!isfinite(tally[c].moments.squares)) return asc_fail_value(error, ASC_NUMERIC, of->wished_pixels[first + i]);
+      if (!isfinite(tally[c].moments.squares))
+        return asc_fail_value(of->self, &of->group, of->wished_pixels[first + i],
+                              of->wished_points + (size_t)(first + i) * of->self->dimensions, value, ASC_NUMERIC,
+                              error);
     of->cells[cell].count++;
     if (of->keeps) keep(of, first + i, value);
   }

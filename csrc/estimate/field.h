@@ -33,6 +33,7 @@ typedef struct asc_field_pixel {
 typedef struct asc_field {
   const asc_estimator *self;
   const asc_cells *how;
+  asc_group group;
   asc_group area; /* the group's pixels, and those around it that the criterion looks at */
   uint32_t reach;
   int keeps; /* samples, one by one: else their tallies alone */
@@ -48,7 +49,8 @@ typedef struct asc_field {
   double *wished_points;
   uint32_t *wished_cells;
   uint32_t wish_count, wish_capacity;
-  int asked; /* since the last time that samples were taken, though none may have fallen in an open cell */
+  asc_error failure; /* of asc_field_wish, where there is more to be said than its status */
+  int asked;         /* since the last time that samples were taken, though none may have fallen in an open cell */
 } asc_field;
 
 asc_status asc_field_make(asc_field *made, const asc_estimator *self, const asc_cells *how, const asc_group *group);

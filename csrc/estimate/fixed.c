@@ -30,8 +30,9 @@ static asc_status prepare(asc_estimator *self, asc_error *error) {
 }
 
 /* One pixel by a rule: the sum of weights times values. `work` has room for RULE_AT_ONCE samples. */
-static asc_status apply_rule(const asc_estimator *self, asc_pixel pixel, asc_integrand integrand, void *context,
-                             double *work, asc_pixel *pixels, double *sums) {
+static asc_status apply_rule(const asc_estimator *self, const asc_group *group, asc_pixel pixel,
+                             asc_integrand integrand, void *context, double *work, asc_pixel *pixels, double *sums,
+                             asc_error *error) {
   double *points = work, *values = points + (size_t)RULE_AT_ONCE * self->dimensions;
   double *weights = values + (size_t)RULE_AT_ONCE * self->channels;
   for (uint32_t c = 0; c < self->channels; c++) sums[c] = 0.0;
@@ -41,14 +42,19 @@ static asc_status apply_rule(const asc_estimator *self, asc_pixel pixel, asc_int
     const size_t count = rest < RULE_AT_ONCE ? (size_t)rest : RULE_AT_ONCE;
     const asc_range range = {pixel.x, pixel.y, first, count, 0, self->dimensions};
     asc_status status = asc_sampler_fill(self->sampler, &range, points);
-    if (status == ASC_OK) status = asc_sampler_weights(self->sampler, first, count, weights);
-    if (status == ASC_OK) status = integrand(context, count, pixels, points, values);
-    if (status) return status;
-    for (size_t i = 0; i < count; i++)
-      for (uint32_t c = 0; c < self->channels; c++) sums[c] += weights[i] * values[i * self->channels + c];
+    if (status) return asc_fail_samples(self->sampler, group, &range, points, status, error);
+    status = asc_sampler_weights(self->sampler, first, count, weights);
+    if (status) return asc_fail_weights(self->sampler, first, count, weights, status, error);
+    status = integrand(context, count, pixels, points, values);
+    if (status) return asc_fail(error, status, "the integrand failed in pixel (%d, %d)", pixel.x, pixel.y);
+    for (size_t i = 0; i < count; i++) {
+      const double *value = values + i * self->channels;
+      for (uint32_t c = 0; c < self->channels; c++) sums[c] += weights[i] * value[c];
+      for (uint32_t c = 0; c < self->channels; c++)
+        if (!isfinite(sums[c]))
+          return asc_fail_value(self, group, pixel, points + i * self->dimensions, value, ASC_NUMERIC, error);
+    }
   }
-  for (uint32_t c = 0; c < self->channels; c++)
-    if (!isfinite(sums[c])) return ASC_NUMERIC;
   return ASC_OK;
 }
 
@@ -59,10 +65,8 @@ static asc_status run_rule(const asc_estimator *self, const asc_group *group, as
   asc_status status = work && pixels ? ASC_OK : ASC_OUT_OF_MEMORY;
   if (status) (void)asc_fail(error, status, "out of memory");
   for (size_t i = 0; i < (size_t)group->columns * group->rows && status == ASC_OK; i++) {
-    const asc_pixel pixel = asc_pixel_of(group, i);
-    status = apply_rule(self, pixel, integrand, context, work, pixels, made->means + i * self->channels);
-    if (status)
-      (void)asc_fail(error, status, "the rule failed in pixel %d, %d: %s", pixel.x, pixel.y, asc_status_text(status));
+    status = apply_rule(self, group, asc_pixel_of(group, i), integrand, context, work, pixels,
+                        made->means + i * self->channels, error);
     if (made->counts) made->counts[i] = self->samples;
     made->spent += self->samples;
   }
@@ -82,7 +86,7 @@ static asc_status run(const asc_estimator *self, const asc_group *group, asc_int
   if (status) (void)asc_fail(error, status, "out of memory");
   for (size_t i = 0; i < pixels && status == ASC_OK; i++)
     draws[i] = (asc_draw){.pixel = asc_pixel_of(group, i), .count = self->samples, .to = tallies + i * self->channels};
-  if (status == ASC_OK) status = asc_take(self, draws, pixels, integrand, context, error);
+  if (status == ASC_OK) status = asc_take(self, group, draws, pixels, integrand, context, error);
   for (size_t i = 0; i < pixels && status == ASC_OK; i++)
     asc_write_tallies(made, i, self->channels, tallies + i * self->channels, self->samples);
   free(draws);

@@ -26,9 +26,9 @@ static integrals at(const asc_near_normal *law, long double w) {
       tails[k] = bell / a;
       bodies[k] = -expm1l(-0.5L * a * w * w) / a;
     } else {
-      const long double edge = power / w * bell; /* w^(k - 1) exp(-a w^2/2) */
-      tails[k] = ((w != 0.0L ? edge : 0.0L) + (k - 1) * tails[k - 2]) / a;
-      bodies[k] = ((k - 1) * bodies[k - 2] - (w != 0.0L ? edge : 0.0L)) / a;
+      const long double edge = w != 0.0L ? power / w * bell : 0.0L; /* w^(k - 1) exp(-a w^2/2) */
+      tails[k] = (edge + (k - 1) * tails[k - 2]) / a;
+      bodies[k] = ((k - 1) * bodies[k - 2] - edge) / a;
     }
     sum.tail += law->series[k] * tails[k];
     sum.body += law->series[k] * bodies[k];

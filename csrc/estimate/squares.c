@@ -126,7 +126,7 @@ asc_status asc_squares_take(asc_squares *of, asc_integrand integrand, void *cont
                           .height = step,
                           .values = of->values + (size_t)(of->taken + i) * of->self->channels};
   }
-  const asc_status status = asc_take(of->self, draws, count, integrand, context, error);
+  const asc_status status = asc_take(of->self, &of->group, draws, count, integrand, context, error);
   free(draws);
   of->taken = of->point_count;
   *spent += count;
@@ -149,7 +149,7 @@ const double *asc_squares_origin(const asc_squares *of, uint32_t pixel) { return
 
 asc_status asc_squares_make(asc_squares *made, const asc_estimator *self, const asc_group *group, uint32_t ring,
                             uint32_t depth) {
-  *made = (asc_squares){.self = self, .ring = ring, .depth = depth};
+  *made = (asc_squares){.self = self, .group = *group, .ring = ring, .depth = depth};
   const int32_t out = (int32_t)ring;
   made->area = (asc_group){group->x - out, group->y - out, group->columns + 2 * ring, group->rows + 2 * ring};
   made->spent = calloc((size_t)made->area.columns * made->area.rows, sizeof *made->spent);

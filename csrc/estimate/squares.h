@@ -23,6 +23,7 @@ typedef struct asc_point_table {
 
 typedef struct asc_squares {
   const asc_estimator *self;
+  asc_group group;
   asc_group area; /* the group's pixels, and those around it whose first points are looked at */
   uint32_t ring;
   uint32_t depth; /* the lattice has 2^depth steps a pixel */

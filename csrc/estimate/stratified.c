@@ -88,10 +88,12 @@ static asc_status run(const asc_estimator *self, const asc_group *group, asc_int
       for (uint32_t c = 0; c < self->channels; c++) to[c] = (asc_tally){0};
       draws[i] = draw_of(self, asc_pixel_of(group, first + i / cells), i % cells, to);
     }
-    status = asc_take(self, draws, here * cells, integrand, context, error);
+    status = asc_take(self, group, draws, here * cells, integrand, context, error);
     for (size_t i = 0; i < here && status == ASC_OK; i++) {
       status = write_pixel(self, first + i, tallies + i * cells * self->channels, strata, made);
-      if (status) (void)asc_fail(error, status, "stratified: %s", asc_status_text(status));
+      const asc_pixel pixel = asc_pixel_of(group, first + i);
+      if (status)
+        (void)asc_fail(error, status, "stratified: in pixel (%d, %d): %s", pixel.x, pixel.y, asc_status_text(status));
     }
   }
   free(draws);

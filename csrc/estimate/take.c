@@ -68,12 +68,13 @@ static void move(const asc_draw *draw, uint32_t dimensions, size_t count, asc_pi
 }
 
 /* The next `count` samples of a draw, of which `done` are there. */
-static asc_status fill(const asc_estimator *self, const asc_draw *draw, uint64_t done, size_t count, asc_pixel *pixels,
-                       double *points) {
+static asc_status fill(const asc_estimator *self, const asc_group *group, const asc_draw *draw, uint64_t done,
+                       size_t count, asc_pixel *pixels, double *points, asc_error *error) {
   const uint32_t dimensions = self->dimensions;
   const asc_range range = {draw->pixel.x, draw->pixel.y, draw->first + done, count, 0, dimensions};
-  const asc_status status = asc_sampler_fill(draw->sampler ? draw->sampler : self->sampler, &range, points);
-  if (status) return status;
+  const asc_sampler *sampler = draw->sampler ? draw->sampler : self->sampler;
+  const asc_status status = asc_sampler_fill(sampler, &range, points);
+  if (status) return asc_fail_samples(sampler, group, &range, points, status, error);
   for (size_t i = 0; i < count; i++) pixels[i] = draw->pixel;
   if (draw->width > 0.0) move(draw, dimensions, count, pixels, points);
   return ASC_OK;
@@ -85,31 +86,39 @@ static asc_status all_finite(const double *values, size_t count) {
   return ASC_OK;
 }
 
-asc_status asc_fail_value(asc_error *error, asc_status status, asc_pixel pixel) {
-  return asc_fail(error, status,
-                  "the integrand has a value that is not finite, or too large to square, in pixel %d, %d", pixel.x,
-                  pixel.y);
+static asc_status add(const asc_draw *draw, uint32_t channels, const double *values, size_t count) {
+  return draw->to ? asc_tally_add(draw->to, channels, values, count) : all_finite(values, count * channels);
+}
+
+/* Which of these samples cannot be added, as not all of them can. */
+static size_t first_bad(const asc_draw *draw, uint32_t channels, const double *values, size_t count) {
+  size_t i = 0;
+  while (i + 1 < count && add(draw, channels, values + i * channels, 1) == ASC_OK) i++;
+  return i;
 }
 
 /* Adds the values of the samples from `at` on, `filled` of them. */
-static asc_status hand_out(const asc_estimator *self, const asc_draw *draws, place at, const batch *of, size_t filled,
-                           asc_error *error) {
+static asc_status hand_out(const asc_estimator *self, const asc_group *group, const asc_draw *draws, place at,
+                           const batch *of, size_t filled, asc_error *error) {
   for (size_t i = 0; i < filled;) {
     const asc_draw *draw = &draws[at.draw];
     const uint64_t done = at.done;
     const size_t taken = advance(&at, draws, filled - i);
     const double *values = of->values + i * self->channels;
     if (draw->values) memcpy(draw->values + done * self->channels, values, taken * self->channels * sizeof *values);
-    const asc_status status =
-        draw->to ? asc_tally_add(draw->to, self->channels, values, taken) : all_finite(values, taken * self->channels);
-    if (status) return asc_fail_value(error, status, draw->pixel);
+    const asc_status status = add(draw, self->channels, values, taken);
+    if (status) {
+      const size_t bad = i + first_bad(draw, self->channels, values, taken);
+      return asc_fail_value(self, group, of->pixels[bad], of->points + bad * self->dimensions,
+                            of->values + bad * self->channels, status, error);
+    }
     i += taken;
   }
   return ASC_OK;
 }
 
-asc_status asc_take(const asc_estimator *self, const asc_draw *draws, size_t count, asc_integrand integrand,
-                    void *context, asc_error *error) {
+asc_status asc_take(const asc_estimator *self, const asc_group *group, const asc_draw *draws, size_t count,
+                    asc_integrand integrand, void *context, asc_error *error) {
   batch work;
   asc_status status = batch_make(&work, self, draws, count);
   if (status) return asc_fail(error, status, "out of memory");
@@ -120,9 +129,8 @@ asc_status asc_take(const asc_estimator *self, const asc_draw *draws, size_t cou
       const place here = at;
       const asc_draw *draw = &draws[here.draw];
       const size_t taken = advance(&at, draws, work.capacity - filled);
-      status = fill(self, draw, here.done, taken, work.pixels + filled, work.points + filled * self->dimensions);
-      if (status)
-        (void)asc_fail(error, status, "the sampler has no sample %llu", (unsigned long long)draw->first + here.done);
+      status = fill(self, group, draw, here.done, taken, work.pixels + filled, work.points + filled * self->dimensions,
+                    error);
       filled += taken;
     }
     if (status || filled == 0) break;
@@ -130,7 +138,7 @@ asc_status asc_take(const asc_estimator *self, const asc_draw *draws, size_t cou
     if (status)
       (void)asc_fail(error, status, "the integrand failed");
     else
-      status = hand_out(self, draws, start, &work, filled, error);
+      status = hand_out(self, group, draws, start, &work, filled, error);
   }
   batch_free(&work);
   return status;

@@ -180,7 +180,7 @@ static asc_status start_afresh(asc_squares *of, asc_integrand integrand, void *c
     of->spent[square->pixel]++;
   }
   *spent += count;
-  const asc_status status = draws && *fresh ? asc_take(of->self, draws, count, integrand, context, error)
+  const asc_status status = draws && *fresh ? asc_take(of->self, &of->group, draws, count, integrand, context, error)
                                             : asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory");
   free(draws);
   return status;

@@ -107,11 +107,12 @@ static asc_status shares(const asc_filter *filter, const asc_voronoi *diagram, s
   double *of_site = malloc(diagram->count * sizeof *of_site);
   if (!of_site) return ASC_OUT_OF_MEMORY;
   asc_status status = asc_cell_create(diagram, &cell);
+  const double whole = 4.0 * diagram->width * diagram->height; /* past which the largest double may be, too */
   if (status == ASC_OK) {
     for (uint32_t site = 0; site < diagram->count; site++) {
       asc_cell_of(diagram, site, &cell);
-      of_site[site] =
-          filter ? integral_over(filter, diagram, site, &cell) : asc_cell_area(&cell) * diagram->step * diagram->step;
+      of_site[site] = filter ? integral_over(filter, diagram, site, &cell)
+                             : fmin(asc_cell_area(&cell), whole) * diagram->step * diagram->step;
     }
     for (size_t i = 0; i < count; i++) weights[i] = of_site[diagram->site[i]] / diagram->samples[diagram->site[i]];
     asc_cell_destroy(&cell);

@@ -6,13 +6,14 @@
 
 /* Samples as sites on a grid of integers: of 2^52 to 2^53 steps over the longer side of the rectangle, its centre at 0.
  * Those in the same step are one site. Which sites are neighbours is found on the grid, the lines between them where
- * the samples are: of two that are close the grid would turn the line. */
+ * the samples are: of two that are close the grid would turn the line. Where cells would then not fill the rectangle,
+ * as of samples within a few steps of each other, the lines are those of the grid too. */
 typedef struct asc_voronoi {
   size_t count;      /* sites */
   asc_place *places; /* [site], by x, then y: what is computed from here on does not depend on the samples' order */
   struct asc_rest {
     double x, y;
-  } * rests;            /* [site] how far, in steps, the sample is from the place: at most half a step */
+  } * rests;            /* [site] how far, in steps, the sample is taken to be from the place: at most half a step */
   uint32_t *samples;    /* [site] how many are there */
   uint32_t *site;       /* [sample] */
   double step;          /* its length */

@@ -8,9 +8,10 @@
 #include <string.h>
 
 asc_status asc_spec_name(const char *spec, const char *kind, char name[ASC_SPEC_LENGTH], asc_error *error) {
-  const size_t length = strcspn(spec, ":");
-  if (strlen(spec) >= ASC_SPEC_LENGTH)
+  /* First, and without a look past it: a text without an end is refused as well. */
+  if (strnlen(spec, ASC_SPEC_LENGTH) == ASC_SPEC_LENGTH)
     return asc_fail(error, ASC_INVALID_ARGUMENT, "a %s's spec has at most %d characters", kind, ASC_SPEC_LENGTH - 1);
+  const size_t length = strcspn(spec, ":");
   if (length == 0) return asc_fail(error, ASC_INVALID_ARGUMENT, "the %s's spec \"%s\" has no name", kind, spec);
   memcpy(name, spec, length);
   name[length] = '\0';

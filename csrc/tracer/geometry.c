@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "frames.h"
+#include "large.h"
 #include "split.h"
 
 #define SQRT_3 1.73205080756887729353
@@ -140,18 +141,20 @@ static asc_status attach(tracer *made, const asc_scene *scene, const batch *of, 
   return ASC_OK;
 }
 
-/* The surfaces of a kind that have one motion, or none. */
-static asc_status new_part(tracer *made, uint32_t kind, size_t count, const asc_motion *motion, size_t *members,
-                           asc_error *error) {
+/* The surfaces of a kind that have one motion, or none; or all those that are met in double, which are asked for alone.
+ */
+static asc_status new_part(tracer *made, uint32_t kind, size_t count, const asc_motion *motion, int large,
+                           size_t *members, asc_error *error) {
   part *grown = realloc(made->parts, (made->part_count + 1) * sizeof *grown);
-  uint32_t *numbers = malloc(count * sizeof *numbers);
+  uint32_t *numbers = malloc(count * sizeof *numbers + 1);
   if (grown) made->parts = grown;
   if (!grown || !numbers) {
     free(numbers);
     return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu surfaces", count);
   }
   for (uint32_t i = 0; i < count; i++)
-    if (tracer_motion(made, (surface){kind, i}) == motion) numbers[(*members)++] = i;
+    if (large_is(made, (surface){kind, i}) ? large : !large && tracer_motion(made, (surface){kind, i}) == motion)
+      numbers[(*members)++] = i;
   made->parts[made->part_count++] = (part){kind, numbers};
   return ASC_OK;
 }
@@ -159,7 +162,7 @@ static asc_status new_part(tracer *made, uint32_t kind, size_t count, const asc_
 static asc_status take_moving(tracer *made, const asc_scene *scene, uint32_t kind, size_t count,
                               const asc_motion *motion, asc_error *error) {
   size_t members = 0;
-  asc_status status = new_part(made, kind, count, motion, &members, error);
+  asc_status status = new_part(made, kind, count, motion, 0, &members, error);
   if (status) return status;
   const unsigned id = (unsigned)made->part_count - 1;
   if (members == 0) {
@@ -171,20 +174,52 @@ static asc_status take_moving(tracer *made, const asc_scene *scene, uint32_t kin
   return attach(made, scene, &of, id, error);
 }
 
+static asc_status take_large(tracer *made, uint32_t kind, size_t count, asc_error *error) {
+  size_t members = 0;
+  asc_status status = new_part(made, kind, count, NULL, 1, &members, error);
+  if (status == ASC_OK) large_attach(made, (uint32_t)made->part_count - 1, members);
+  return status;
+}
+
+/* One part for each of Embree's kinds, where nothing moves. */
+static int begin_parts(tracer *made) {
+  if (made->parts) return 1;
+  made->parts = calloc(PLANES, sizeof *made->parts);
+  if (!made->parts) return 0;
+  made->part_count = PLANES;
+  for (uint32_t kind = 0; kind < PLANES; kind++) made->parts[kind].kind = kind;
+  return 1;
+}
+
 /* Triangles that stand still, some of them perhaps in pieces. */
 static asc_status take_pieces(tracer *made, const asc_scene *scene, const pieces *cut, asc_error *error) {
-  made->parts = calloc(PLANES, sizeof *made->parts);
+  const int begun = begin_parts(made);
   uint32_t *members = malloc(cut->count * sizeof *members);
-  if (!made->parts || !members) {
+  if (!begun || !members) {
     free(members);
     return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu pieces of triangles", cut->count);
   }
   memcpy(members, cut->owner, cut->count * sizeof *members);
-  made->part_count = PLANES;
-  for (uint32_t kind = 0; kind < PLANES; kind++) made->parts[kind].kind = kind;
   made->parts[TRIANGLES].members = members;
   const batch all = {.kind = TRIANGLES, .count = cut->count, .corners = cut->corners};
   return attach(made, scene, &all, TRIANGLES, error);
+}
+
+/* Balls or discs of a scene in which nothing moves, some of which are met in double. */
+static asc_status take_still(tracer *made, const asc_scene *scene, uint32_t kind, size_t count, size_t large,
+                             asc_error *error) {
+  uint32_t *members = malloc((count - large) * sizeof *members + 1);
+  if (!begin_parts(made) || !members) {
+    free(members);
+    return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu surfaces", count);
+  }
+  made->parts[kind].members = members;
+  size_t others = 0;
+  for (uint32_t i = 0; i < count; i++)
+    if (!large_is(made, (surface){kind, i})) members[others++] = i;
+  const batch rest = {.kind = kind, .members = members, .count = others};
+  const asc_status status = others > 0 ? attach(made, scene, &rest, kind, error) : ASC_OK;
+  return status ? status : take_large(made, kind, count, error);
 }
 
 asc_status geometry_take(tracer *made, const asc_scene *scene, uint32_t kind, size_t count, asc_error *error) {
@@ -198,12 +233,13 @@ asc_status geometry_take(tracer *made, const asc_scene *scene, uint32_t kind, si
     }
     if (status) return status;
   }
+  const size_t large = large_mark(made, kind, count);
   if (made->motion_count == 0) {
     const batch all = {.kind = kind, .count = count};
-    return attach(made, scene, &all, kind, error);
+    return large > 0 ? take_still(made, scene, kind, count, large, error) : attach(made, scene, &all, kind, error);
   }
   asc_status status = take_moving(made, scene, kind, count, NULL, error);
   for (size_t i = 0; i < made->motion_count && status == ASC_OK; i++)
     status = take_moving(made, scene, kind, count, &made->motions[i], error);
-  return status;
+  return status == ASC_OK && large > 0 ? take_large(made, kind, count, error) : status;
 }

@@ -2,6 +2,7 @@
 
 #include "arithmetic.h"
 #include "frames.h"
+#include "large.h"
 #include "surface_pattern.h"
 #include "vectorise.h"
 
@@ -12,7 +13,11 @@ static double along_plane(const plane *met, const double origin[3], const double
 /* The nearer root in front of the origin, and without its cancellation: the distance to the foot of the centre's
  * perpendicular first (Haines et al. 2019, "Precision improvements for ray/sphere intersection"). */
 static double along_ball(const ball *met, const double origin[3], const double direction[3]) {
-  double to_centre[3], miss[3];
+  double to_centre[3], miss[3], roots[2];
+  if (met->large) {
+    (void)large_roots(met, origin, direction, roots);
+    return roots[0] > 0.0 ? roots[0] : roots[1];
+  }
   for (int i = 0; i < 3; i++) to_centre[i] = met->centre[i] - origin[i];
   const double squared = dot(direction, direction);
   const double foot = dot(to_centre, direction) / squared;
@@ -75,7 +80,7 @@ static found meet(const tracer *made, surface of, double time, const double orig
   met.distance = meet_at_rest(made, of, rest_origin, rest_direction, normal);
   for (int i = 0; i < 3; i++) met.rest[i] = rest_origin[i] + met.distance * rest_direction[i];
   motion_turn(&at, normal, met.normal);
-  met.slack = meeting_slack(made, motion, met.rest);
+  if (!large_is(made, of)) met.slack = meeting_slack(made, motion, met.rest);
   return met;
 }
 

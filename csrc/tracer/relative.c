@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "frames.h"
+#include "kept.h"
 
 /* The largest coordinate becomes one of this size or up to half of it, so that products of three of them are floats,
  * and of what is 2^70 times smaller still. Only exponents change: no bit of a picture where none was lost. */
@@ -75,7 +76,7 @@ static int copy_all(relative_scene *made) {
                     copy((void **)&made->lights, scene->lights, scene->light_count, sizeof(asc_light)) &&
                     copy((void **)&made->materials, scene->materials, scene->material_count, sizeof(asc_material)) &&
                     copy((void **)&made->motions, scene->motions, scene->motion_count, sizeof(asc_motion)) &&
-                    copy_frames(made);
+                    copy_frames(made) && (made->powers = malloc(scene->sphere_count * sizeof(double) + 1));
   scene->vertices = made->vertices;
   scene->discs = made->discs;
   scene->spheres = made->spheres;
@@ -101,6 +102,26 @@ static void change_surfaces(relative_scene *made, const change *by) {
     made->spheres[i].radius *= by->unit;
   }
   for (size_t i = 0; i < scene->plane_count; i++) change_place(by, made->planes[i].point);
+}
+
+/* A ball that is seen from 1 above it has a power of 2 r + 1, of squares of the size of r^2. */
+static double power_of(const asc_sphere *of, const double eye[3]) {
+  const asc_kept radius = {of->radius, 0.0}, within = asc_kept_product(radius, radius);
+  asc_kept sum = {-within.value, -within.lost};
+  for (int i = 0; i < 3; i++) {
+    const asc_kept away = asc_kept_sum(of->centre[i], -eye[i]), squared = asc_kept_product(away, away);
+    const asc_kept more = asc_kept_sum(sum.value, squared.value);
+    sum = (asc_kept){more.value, sum.lost + (more.lost + squared.lost)};
+  }
+  return sum.value + sum.lost;
+}
+
+/* Before the balls change. From far away none is near enough to ask. */
+static void set_powers(relative_scene *made, const change *by) {
+  for (size_t i = 0; i < made->scene.sphere_count; i++) {
+    const double power = by->ahead > 0.0 ? INFINITY : power_of(&made->spheres[i], by->eye);
+    made->powers[i] = power * by->unit * by->unit;
+  }
 }
 
 static void change_motions(relative_scene *made, const change *by) {
@@ -238,6 +259,7 @@ asc_status relative_take(const asc_scene *world, const tracer_options *options, 
   if (!copy_all(made)) return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for the scene's places");
   made->ahead = by.ahead * by.unit;
   change_view(&made->scene.view, &by);
+  set_powers(made, &by);
   change_surfaces(made, &by);
   change_motions(made, &by);
   change_lights(made, &by);
@@ -250,6 +272,7 @@ void relative_free(relative_scene *made) {
   free(made->frames);
   free(made->discs);
   free(made->spheres);
+  free(made->powers);
   free(made->planes);
   free(made->lights);
   free(made->materials);

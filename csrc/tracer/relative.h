@@ -18,6 +18,9 @@ typedef struct relative_scene {
   double *frames; /* of all motions, one after the other */
   asc_disc *discs;
   asc_sphere *spheres;
+  /* [sphere_count]: how much the square of each ball's centre's distance from the origin is more than that of its
+   * radius, of the scene's own doubles, exact to the last bits; infinite where nothing asks for it. */
+  double *powers;
   asc_plane *planes;
   asc_light *lights;
   asc_material *materials;

@@ -66,8 +66,9 @@ static asc_status take_discs(tracer *made, const asc_scene *scene, asc_error *er
   asc_status status = take_indices(made, DISCS, &scene->discs[0].material, sizeof(asc_disc), count, error);
   if (status) return status;
   made->disc_planes = malloc(count * sizeof *made->disc_planes);
+  made->disc_balls = calloc(count, sizeof *made->disc_balls);
   made->least_lift[DISCS] = malloc(count * sizeof(double));
-  if (!made->disc_planes || !made->least_lift[DISCS])
+  if (!made->disc_planes || !made->disc_balls || !made->least_lift[DISCS])
     return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu discs", count);
   for (size_t i = 0; i < count; i++) {
     const asc_disc *disc = &scene->discs[i];
@@ -80,17 +81,19 @@ static asc_status take_discs(tracer *made, const asc_scene *scene, asc_error *er
     plane *facing = &made->disc_planes[i];
     for (size_t axis = 0; axis < 3; axis++) facing->normal[axis] = normal[axis] / length;
     facing->offset = dot(facing->normal, centre);
+    memcpy(made->disc_balls[i].centre, centre, sizeof centre);
+    made->disc_balls[i].radius = disc->radius;
     made->least_lift[DISCS][i] = meeting_least_lift(centre, 2.0 * disc->radius); /* Embree has a triangle about it */
   }
   return geometry_take(made, scene, DISCS, count, error);
 }
 
-static asc_status take_spheres(tracer *made, const asc_scene *scene, asc_error *error) {
+static asc_status take_spheres(tracer *made, const asc_scene *scene, const double *powers, asc_error *error) {
   const size_t count = scene->sphere_count;
   if (count == 0) return ASC_OK;
   asc_status status = take_indices(made, SPHERES, &scene->spheres[0].material, sizeof(asc_sphere), count, error);
   if (status) return status;
-  made->balls = malloc(count * sizeof *made->balls);
+  made->balls = calloc(count, sizeof *made->balls);
   made->least_lift[SPHERES] = malloc(count * sizeof(double));
   if (!made->balls || !made->least_lift[SPHERES])
     return asc_fail(error, ASC_OUT_OF_MEMORY, "out of memory for %zu spheres", count);
@@ -98,6 +101,7 @@ static asc_status take_spheres(tracer *made, const asc_scene *scene, asc_error *
     ball *made_ball = &made->balls[i];
     tracer_to_camera(&made->view, scene->spheres[i].centre, made_ball->centre);
     made_ball->radius = scene->spheres[i].radius;
+    made_ball->power = powers[i];
     made->least_lift[SPHERES][i] = meeting_least_lift(made_ball->centre, made_ball->radius);
     if (!finite3(made_ball->centre) || !(made_ball->radius > 0.0) || !isfinite(made_ball->radius))
       return asc_fail(error, ASC_INVALID_ARGUMENT, "sphere %zu is not finite, or has no radius", i);
@@ -174,7 +178,8 @@ asc_status tracer_take_motions(tracer *made, const asc_scene *scene, asc_error *
   return status;
 }
 
-asc_status tracer_take_geometry(tracer *made, const asc_scene *scene, asc_error *error) {
+asc_status tracer_take_geometry(tracer *made, const relative_scene *local, asc_error *error) {
+  const asc_scene *scene = &local->scene;
   made->scene = rtcNewScene(made->device);
   if (!made->scene) return asc_fail(error, ASC_UNAVAILABLE, "Embree made no scene");
   /* Robust: rays along an edge that two triangles share must not slip between them. */
@@ -182,7 +187,7 @@ asc_status tracer_take_geometry(tracer *made, const asc_scene *scene, asc_error 
   rtcSetSceneBuildQuality(made->scene, RTC_BUILD_QUALITY_HIGH);
   asc_status status = take_triangles(made, scene, error);
   if (status == ASC_OK) status = take_discs(made, scene, error);
-  if (status == ASC_OK) status = take_spheres(made, scene, error);
+  if (status == ASC_OK) status = take_spheres(made, scene, local->powers, error);
   if (status == ASC_OK) status = take_planes(made, scene, error);
   if (status) return status;
   const double begun = tracer_thread_cpu_seconds();

@@ -10,6 +10,7 @@
 #include "lens.h"
 #include "light.h"
 #include "motion.h"
+#include "relative.h"
 #include "tracer.h"
 #include "vector.h"
 
@@ -22,6 +23,8 @@ typedef struct plane {
 
 typedef struct ball {
   double centre[3], radius;
+  double power; /* of the frame's origin: |centre|^2 - radius^2, exact to double's last bits; unset of discs */
+  int large;    /* large.h */
 } ball;
 
 /* Where a sample has its numbers for each of what it chooses, from the third of them on; tracer.h has their order. */
@@ -41,6 +44,12 @@ typedef struct part {
   uint32_t kind;
   uint32_t *members; /* by primitive, the surface's number among those of its kind; NULL: its own */
 } part;
+
+/* Surfaces that are met in double, for Embree's functions: large.h. */
+typedef struct large_surfaces {
+  const struct tracer *made;
+  uint32_t id; /* of their part */
+} large_surfaces;
 
 /* What finds the light of surfaces that shine: rays sent to them and rays that come upon them, each weighted by its
  * density (the balance heuristic of Veach and Guibas 1995), or, for tests, one of the two alone. */
@@ -79,6 +88,8 @@ struct tracer {
   plane *disc_planes;
   double *least_lift[GEOMETRY_KINDS]; /* by disc and ball, which are held whole: meeting.h; NULL of others */
   ball *balls;
+  ball *disc_balls; /* about the discs */
+  large_surfaces large[GEOMETRY_KINDS];
   plane *planes;
   size_t plane_count;
   asc_motion *motions; /* in the camera frame, axes of length 1 */
@@ -102,7 +113,7 @@ struct tracer {
 asc_status tracer_take_appearance(tracer *made, const asc_scene *scene, asc_error *error);
 
 /* Makes the geometries in the camera frame and builds the acceleration structure. */
-asc_status tracer_take_geometry(tracer *made, const asc_scene *scene, asc_error *error);
+asc_status tracer_take_geometry(tracer *made, const relative_scene *local, asc_error *error);
 
 /* The plane through a triangle's corners; without area its normal is 0. */
 plane plane_of(const double corner[3][3]);

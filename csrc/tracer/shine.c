@@ -29,12 +29,18 @@ ASC_VECTORISE static int agree(const struct RTCHit16 *hit) {
   return geometry == 0 && (primitive == 0 || hit->geomID[0] == RTC_INVALID_GEOMETRY_ID);
 }
 
+/* Of Embree's geometries. */
+static int is_round(const tracer *made, uint32_t geometry) {
+  const int of_part = made->parts && geometry != RTC_INVALID_GEOMETRY_ID;
+  return (of_part ? made->parts[geometry].kind : geometry) == SPHERES;
+}
+
 sight shine_see(const tracer *made, const packet *rays) {
   const struct RTCHit16 *hit = &rays->rays.hit;
   if (!(made->plain || made->shines_alone) || rays->lanes < PACKET || !agree(hit)) return (sight){0};
   const uint32_t geometry = hit->geomID[0];
   if (geometry == RTC_INVALID_GEOMETRY_ID) return (sight){1, geometry, 0};
-  return (sight){made->plain || geometry != SPHERES, geometry, hit->primID[0]};
+  return (sight){made->plain || !is_round(made, geometry), geometry, hit->primID[0]};
 }
 
 /* --- one surface alone ----------------------------------------------------------------------------------------------
@@ -254,7 +260,7 @@ int shine_take_each(const tracer *made, const packet *rays) {
   const struct RTCHit16 *hit = &rays->rays.hit;
   if (made->plain || !made->shines_alone || rays->lanes < PACKET) return 0;
   for (int i = 0; i < PACKET; i++)
-    if (hit->geomID[i] == SPHERES) return 0;
+    if (is_round(made, hit->geomID[i])) return 0;
   double radiance[PACKET][4];
   const sample_rows of = {PACKET, rays->sample_x, rays->sample_y, rays->lens, radiance};
   for (uint32_t left = (1u << PACKET) - 1; left;) {

@@ -63,7 +63,7 @@ static asc_status take_scene(tracer *made, const asc_scene *world, asc_error *er
     /* One thread builds, so that the structure, and with it which of two touching surfaces is met, is always the
      * same. */
     made->device = rtcNewDevice("threads=1,set_affinity=0,ignore_config_files=1");
-    status = made->device ? tracer_take_geometry(made, &local.scene, error)
+    status = made->device ? tracer_take_geometry(made, &local, error)
                           : asc_fail(error, ASC_UNAVAILABLE, "Embree does not start on this machine");
   }
   /* Pieces have such corners too. */
@@ -115,6 +115,7 @@ void tracer_destroy(tracer *made) {
   free(made->triangle_planes);
   free(made->disc_planes);
   free(made->balls);
+  free(made->disc_balls);
   free(made->planes);
   free(made->lights);
   free(made->emitters);

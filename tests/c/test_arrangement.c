@@ -12,6 +12,7 @@
 
 #include "sampler_cases.h"
 #include "sampler_tools.h"
+#include "threads_alone.h"
 
 static const uint32_t groups[] = {2, 1, 2, 2};
 #define GROUPS (sizeof groups / sizeof *groups)
@@ -444,5 +445,6 @@ int main(void) {
       cmocka_unit_test(what_is_refused),
       cmocka_unit_test(the_desc_can_be_read_back),
   };
+  take_threads_alone();
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

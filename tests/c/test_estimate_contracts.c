@@ -87,6 +87,42 @@ static asc_status sometimes_nan(void *context, size_t count, const asc_pixel *pi
   return ASC_OK;
 }
 
+/* NaN in the second channel of pixels to the left of `context` and above it. */
+static asc_status nan_beside(void *context, size_t count, const asc_pixel *pixels, const double *points,
+                             double *values) {
+  const asc_pixel *from = context;
+  for (size_t i = 0; i < count; i++) {
+    values[2 * i] = points[2 * i];
+    values[2 * i + 1] = pixels[i].x < from->x && pixels[i].y < from->y ? NAN : points[2 * i];
+  }
+  return ASC_OK;
+}
+
+/* Also where it looked at the pixels around, and they failed: those are named beside. */
+static void the_pixel_that_was_asked_for_is_named(void **state) {
+  (void)state;
+  asc_sampler *sampler = sampler_of("random", 4096, 2);
+  for (size_t index = 0; index < asc_estimator_count(); index++) {
+    asc_estimator_info info;
+    assert_int_equal(asc_estimator_describe(index, &info), ASC_OK);
+    asc_estimator *estimator = estimator_of(info.name, sampler, 2);
+    double means[2];
+    asc_estimates out = {.struct_size = sizeof out, .means = means};
+    const asc_group group = {7, 5, 1, 1};
+    asc_error error = {{0}};
+    asc_pixel none_beside = {7, 5}, none_at_all = {1000, 1000};
+    assert_int_equal(asc_estimate(estimator, &group, nan_beside, &none_at_all, &out, &error), ASC_NUMERIC);
+    assert_non_null(strstr(error.text, "in pixel (7, 5): "));
+    assert_non_null(strstr(error.text, "nan in channel 1 of the sample at (0."));
+    const asc_status status = asc_estimate(estimator, &group, nan_beside, &none_beside, &out, &error);
+    assert_int_equal(status, asc_estimator_reach(estimator) ? ASC_NUMERIC : ASC_OK);
+    assert_non_null(strstr(error.text, "in pixel (7, 5): "));
+    if (status) assert_non_null(strstr(error.text, ", of its neighbour (6, 4), which it looks at too"));
+    asc_estimator_destroy(estimator);
+  }
+  asc_sampler_destroy(sampler);
+}
+
 static void errors_are_given_on(void **state) {
   (void)state;
   asc_sampler *sampler = sampler_of("random", 4096, 2);
@@ -101,6 +137,7 @@ static void errors_are_given_on(void **state) {
     assert_int_equal(asc_estimate(estimator, &group, fails, NULL, &out, &error), ASC_UNAVAILABLE);
     assert_true(error.text[0]);
     assert_int_equal(asc_estimate(estimator, &group, sometimes_nan, NULL, &out, &error), ASC_NUMERIC);
+    assert_non_null(strstr(error.text, "nan in channel 0 of the sample at (0.00"));
     assert_int_equal(asc_estimate(estimator, &group, edge_and_product, NULL, &out, NULL), ASC_OK); /* no other output */
     out.means = NULL;
     assert_int_equal(asc_estimate(estimator, &group, fails, NULL, &out, &error), ASC_INVALID_ARGUMENT);
@@ -215,9 +252,8 @@ static void sequences_stop_where_the_definition_says(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(pixels_do_not_depend_on_their_group),
-      cmocka_unit_test(errors_are_given_on),
-      cmocka_unit_test(what_creation_refuses),
+      cmocka_unit_test(pixels_do_not_depend_on_their_group),      cmocka_unit_test(errors_are_given_on),
+      cmocka_unit_test(the_pixel_that_was_asked_for_is_named),    cmocka_unit_test(what_creation_refuses),
       cmocka_unit_test(sequences_stop_where_the_definition_says),
   };
   return cmocka_run_group_tests_name("estimate_contracts", tests, NULL, NULL);

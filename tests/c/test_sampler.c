@@ -284,6 +284,17 @@ static void specs_have_one_canonical_form(void **state) {
   }
 }
 
+/* Of a text that nothing ends no more is read than a spec may have. */
+static void a_text_without_an_end_is_refused(void **state) {
+  (void)state;
+  enum { LENGTH = 512 };
+  char *text = malloc(LENGTH);
+  assert_non_null(text);
+  memset(text, 'x', LENGTH);
+  assert_int_equal(created(text, 1, 2), ASC_INVALID_ARGUMENT);
+  free(text);
+}
+
 static void statuses_have_texts(void **state) {
   (void)state;
   assert_string_equal(asc_status_text(ASC_OK), "success");
@@ -314,6 +325,7 @@ int main(void) {
       cmocka_unit_test(what_cannot_be_is_refused),
       cmocka_unit_test(indices_past_the_end_are_refused),
       cmocka_unit_test(specs_have_one_canonical_form),
+      cmocka_unit_test(a_text_without_an_end_is_refused),
       cmocka_unit_test(statuses_have_texts),
       cmocka_unit_test(plugins_that_are_none_are_refused),
   };

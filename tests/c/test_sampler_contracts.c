@@ -12,6 +12,7 @@
 
 #include "sampler_cases.h"
 #include "sampler_tools.h"
+#include "threads_alone.h"
 
 static asc_sampler *make_case(const sampler_case *one, uint64_t seed) {
   return make(one->spec, one->samples, one->dimensions, seed);
@@ -303,5 +304,6 @@ int main(void) {
       cmocka_unit_test(weights_sum_to_one),
       cmocka_unit_test(randomised_samplers_are_uniform_and_unbiased),
   };
+  take_threads_alone();
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

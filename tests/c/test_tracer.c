@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "filtered.h"
+#include "threads_alone.h"
 #include "tracer.h"
 
 /* A world unit is a pixel, (0, 0) the picture's lower left corner, seen from z = 10 along -z. */
@@ -550,7 +551,7 @@ static void samples_stay_within_reach(void **state) {
 
 /* The background of 1e40 is a double, and no pixel of floats: the first is named, whatever the filter and the threads.
  */
-static void what_float_does_not_hold_is_an_error(void **state) {
+static void what_float_does_not_hold_is_an_error_of_all_threads(void **state) {
   (void)state;
   const double vertices[] = {-9, 9, 0, 90, 9, 0, -9, 1.8, 0}; /* row 0, and of row 1 the first centre */
   const uint32_t indices[] = {0};
@@ -596,7 +597,8 @@ int main(void) {
       cmocka_unit_test(filters_give_the_same_bits_for_threads_and_bands),
       cmocka_unit_test(samples_stay_within_reach),
       cmocka_unit_test(filters_count_their_borders_and_the_box_has_none),
-      cmocka_unit_test(what_float_does_not_hold_is_an_error),
+      cmocka_unit_test(what_float_does_not_hold_is_an_error_of_all_threads),
   };
+  take_threads_alone();
   return cmocka_run_group_tests_name("tracer", tests, NULL, NULL);
 }

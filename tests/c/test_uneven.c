@@ -1,4 +1,5 @@
 /* Weights of unevenly spread samples: exact fractions, what holds for every method, and extremes. */
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -242,6 +243,15 @@ static void close_samples_keep_their_line(void **state) {
   assert_true(weights[0] == weights[1] && others[0] == weights[2] && others[1] == weights[0]);
 }
 
+/* A rounding above it there is no double. */
+static void a_cell_of_the_largest_area_is_finite(void **state) {
+  (void)state;
+  const double bounds[] = {0x1.f5f5f5p-121, -1.0, DBL_MAX, 0.0};
+  double area = 0.0;
+  assert_int_equal(asc_voronoi_areas(bounds, 1, bounds, &area, NULL), ASC_OK);
+  assert_true(area == DBL_MAX);
+}
+
 static void predicates_are_exact(void **state) {
   (void)state;
   const int64_t most = ASC_PLACE_MOST;
@@ -258,6 +268,18 @@ static void predicates_are_exact(void **state) {
   assert_int_equal(asc_in_circle(across, (asc_place){most, -most}, corner, (asc_place){1 - most, most}), 1);
 }
 
+/* Half a step of the grid apart, they have other neighbours on it: cells that overlap came to 1.0025. */
+static void cells_of_samples_within_a_step_fill_the_bounds(void **state) {
+  (void)state;
+  const double close[] = {0x1.656565656566cp-2, 0x1.6565656565656p-2, 0x1.6566492d685aap-2, 0x1.6565656795656p-2,
+                          0x1.6565656565656p-2, 0x1.6565656565654p-2, 0x1.6565656565656p-2, 0x1.a5a5a5a5a5a5ap-2};
+  const double bounds[] = {0.0, 0.0, 1.0, 1.0};
+  double areas[4], sum = 0.0;
+  assert_int_equal(asc_voronoi_areas(close, 4, bounds, areas, NULL), ASC_OK);
+  for (int i = 0; i < 4; i++) sum += areas[i];
+  assert_true(fabs(sum - 1.0) < 1e-12); /* four cells, a few roundings each */
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_method_is_tested),
@@ -268,6 +290,8 @@ int main(void) {
       cmocka_unit_test(the_order_of_the_samples_does_not_matter),
       cmocka_unit_test(what_cannot_be_weighted_is_refused),
       cmocka_unit_test(close_samples_keep_their_line),
+      cmocka_unit_test(cells_of_samples_within_a_step_fill_the_bounds),
+      cmocka_unit_test(a_cell_of_the_largest_area_is_finite),
       cmocka_unit_test(predicates_are_exact),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

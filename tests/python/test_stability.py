@@ -13,7 +13,7 @@ from aliascope.stability.running import all_probes, run
 
 
 def made(measure, levels=(1.0, 10.0, 100.0)) -> Probe:
-    return Probe("c", "statistic", "mean", "relative", "nothing", 1e-3, 0.1, levels, measure)
+    return Probe("c", "statistic", "mean", "relative", "nothing", 1e-3, 0.1, levels, measure, refuses_from=None)
 
 
 def test_a_probe_breaks_where_its_bound_is_passed() -> None:

@@ -166,7 +166,7 @@ def test_the_command_ends_with_1_where_ours_breaks(monkeypatch: pytest.MonkeyPat
     assert "excused    povray, far: from 10^6 on" in told
     assert "\x1b" not in told  # no terminal, no colours
     assert sorted(path.name for path in tmp_path.iterdir()) == [
-        *("report.html", "stability.csv", "stability.json", "stability.md")
+        *(".lock", "log.jsonl", "report.html", "stability.csv", "stability.json", "stability.md")
     ]
 
 

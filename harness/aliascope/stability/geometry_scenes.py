@@ -13,6 +13,7 @@ from aliascope.model import (
     Camera,
     Checker,
     DirectionalLight,
+    Disc,
     LoadedMesh,
     Material,
     Polygon,
@@ -98,6 +99,29 @@ def planet(radius: float) -> tuple[Scene, Truth]:
         return np.asarray(np.where(seen, np.maximum(cosine, 0.0), 0.0), np.float64)
 
     return made(perspective(90.0), [ball], lit=True), truth
+
+
+def horizon(radius: float) -> tuple[Scene, Truth]:
+    """The same through a window of which the dip of its horizon is an eighth of the height, or less."""
+    scene, truth = planet(radius)
+    narrow = 2.0 * math.degrees(math.atan(4.0 * math.sqrt(2.0 / radius)))
+    return scene.model_copy(update={"camera": perspective(min(narrow, 90.0))}), truth
+
+
+def plate(radius: float) -> tuple[Scene, Truth]:
+    """A disc whose plane is 1 under the eye, tilted, and whose centre is to one side; under the sun."""
+    centre, normal = (0.5 * radius, -1.0 - 0.0625 * radius, 0.25 * radius), (0.125, 1.0, 0.0)
+    disc = Disc(type="disc", material="chalk", centre=centre, normal=normal, radius=radius)
+
+    def truth(u: Array, v: Array) -> Array:
+        way = np.stack([u, v, -np.ones(u.shape)]).astype(np.longdouble)
+        along = (way * np.array(normal).reshape(3, 1, 1, 1)).sum(axis=0)
+        ahead = -1.0 / np.where(along < 0.0, along, -1.0)
+        away = ahead * way - np.array(centre).reshape(3, 1, 1, 1)
+        seen = (along < 0.0) & ((away * away).sum(axis=0) < np.longdouble(radius) ** 2)
+        return np.asarray(seen * -np.dot(normal, SUN) / np.linalg.norm(normal), np.float64)
+
+    return made(perspective(90.0), [disc], lit=True), truth
 
 
 def grazed(elevation: float) -> tuple[Scene, Truth]:

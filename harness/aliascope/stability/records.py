@@ -42,7 +42,7 @@ class Probe:
     `against` says in a few words what the truth is. `quick` are the levels that a test can afford. `excused`: where it
     breaks, it is another program's arithmetic that does (POV-Ray's, Embree's, Mesa's), or a safeguard of ours is
     switched off in this row, and no check fails; `excused_from`: from this level on. `refuses_from` is the first level
-    at which the component may decline, where that is known; earlier, declining is a failure. NEVER: at none.
+    at which the component may decline, as measured: earlier, declining is a failure. NEVER: at none; None: at any.
     """
 
     component: str

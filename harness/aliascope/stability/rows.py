@@ -46,7 +46,7 @@ class Row:
     """A component of the map: a renderer, in its modes of a grid of 16 samples and of one. notes: by extreme, of what
     breaks. fewer: levels in place of those of COLUMNS, where those take too long. excused: extremes at which what
     breaks is the renderer's own arithmetic, and nothing compensates for it. refused: the levels
-    from which on it may decline, none at other extremes; None: at any level. quick: whether tests run it."""
+    from which on it may decline, none at other extremes. quick: whether tests run it."""
 
     component: str
     renderer: Renderer
@@ -55,7 +55,7 @@ class Row:
     notes: Mapping[str, str]
     fewer: Mapping[str, tuple[float, ...]]
     excused: Collection[str]
-    refused: Mapping[str, float] | None = None
+    refused: Mapping[str, float]
     quick: bool = True
 
 
@@ -76,7 +76,7 @@ def probes_of(row: Row) -> list[Probe]:
             column.quick if row.quick else (),
             row.notes.get(extreme, ""),
             extreme in row.excused,
-            refuses_from=None if row.refused is None else row.refused.get(extreme, NEVER),
+            refuses_from=row.refused.get(extreme, NEVER),
         )
         found.append(made)
     beside = edges.probes_of(row.component, row.renderer, row.single, row.notes, row.excused, row.quick)

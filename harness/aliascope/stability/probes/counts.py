@@ -1,7 +1,9 @@
-"""Sums of as many samples as a pixel may get, and pictures of one pixel or one row."""
+"""Sums of as many samples as a pixel may get, and pictures of one pixel, one row or one column."""
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import lru_cache
@@ -92,30 +94,34 @@ def _sum(component: str, measure: Callable[[float], float], levels: tuple[float,
     )
 
 
-@lru_cache(maxsize=4)
-def _bars(width: int) -> tuple[Scene, np.ndarray]:
-    """Bars side by side in a row of pixels, and what the centres of its pixels see."""
-    edges = [Fraction(width * bar, BARS) for bar in range(BARS + 1)]
-    numbers = [(2 * x + 1) * BARS // (2 * width) for x in range(width)]
+@lru_cache(maxsize=8)
+def _bars(length: int, upright: bool) -> tuple[Scene, np.ndarray]:
+    """Bars side by side in a row of pixels, or one on the other in a column; and what the centres of the pixels see,
+    from the left or from the bottom."""
+    edges = [float(Fraction(length * bar, BARS)) for bar in range(BARS + 1)]
+    numbers = [(2 * x + 1) * BARS // (2 * length) for x in range(length)]
     materials = {f"m{bar}": {"emission": [(bar + 1) / 64] * 3} for bar in range(BARS)}
-    surfaces = [
-        {
-            "type": "polygon",
-            "material": f"m{bar}",
-            "points": [[left, -1.0, 0.0], [right, -1.0, 0.0], [right, 2.0, 0.0], [left, 2.0, 0.0]],
-        }
-        for bar, (left, right) in enumerate(zip(map(float, edges), map(float, edges[1:]), strict=False))
-    ]
-    return _scene(width, 1, materials=materials, surfaces=surfaces), (np.array(numbers) + 1) / 64
+    surfaces = []
+    for bar, (low, high) in enumerate(itertools.pairwise(edges)):
+        corners = [[low, -1.0], [high, -1.0], [high, 2.0], [low, 2.0]]
+        points = [[*(corner[::-1] if upright else corner), 0.0] for corner in corners]
+        surfaces.append({"type": "polygon", "material": f"m{bar}", "points": points})
+    size = (1, length) if upright else (length, 1)
+    return _scene(*size, materials=materials, surfaces=surfaces), (np.array(numbers) + 1) / 64
 
 
-def _row(name: str) -> Callable[[float], float]:
+def _row_and_column(name: str) -> Callable[[float], float]:
     def measure(at: float) -> float:
-        renderer = renderers.find(name)
-        scene, truth = _bars(int(at))
-        mode = renderers.mode_of(renderer, renderer.single_mode)
-        made = renderer.render(Request(scene, int(at), 1, mode)).pixels
-        return float(np.abs(made - truth[None, :, None]).max())
+        renderer, worst = renderers.find(name), 0.0
+        for upright in (False, True):
+            scene, truth = _bars(int(at), upright)
+            mode = renderers.mode_of(renderer, renderer.single_mode)
+            made = renderer.render(Request(scene, *scene.view.size, mode)).pixels
+            along = made[::-1, 0] if upright else made[0]
+            if along.shape != (int(at), 3):
+                return math.inf
+            worst = max(worst, float(np.abs(along - truth[:, None]).max()))
+        return worst
 
     return measure
 
@@ -148,7 +154,7 @@ def probes() -> list[Probe]:
             2.0**-24,
             1e-3,
             SIZES,
-            _row(name),
+            _row_and_column(name),
             () if name == "povray" else (1.0, 1000.0),
         )
         for name in ("embree", "povray", "osmesa")

@@ -48,6 +48,7 @@ ROWS = (
         {**NOTES, **AS_THEY_ARE},
         {"dense": (1.0, 1e2, 1e4)},
         EXTREMES,
+        {},
         quick=False,
     ),
 )

@@ -39,6 +39,14 @@ ROWS = (
         {**NOTES, **AS_THEY_ARE},
         {"dense": (1.0, 1e2, 1e4)},
         EXTREMES,
+        {
+            "scaled": 1e-6,
+            "depth-range": 1e7,
+            "grazing": 1e-6,
+            "narrow": 1e-5,
+            "wide": 1e-2,
+            "shadow": 1e-4,
+        },
         quick=False,
     ),
 )

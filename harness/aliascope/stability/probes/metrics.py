@@ -68,12 +68,6 @@ def _colours(at: float) -> Pair:
     return np.tile(image, (SIDE, SIDE, 1)), np.tile(reference, (SIDE, SIDE, 1))
 
 
-def _broken(at: float) -> Pair:
-    image, reference = (pixels.copy() for pixels in _of_size(1.0))
-    image.flat[: round(at)] = np.nan
-    return image, reference
-
-
 # --- truths -----------------------------------------------------------------------------------------------------------
 
 
@@ -241,12 +235,6 @@ def _unmoved(name: str) -> Callable[[Pair], Number | None]:
     return truth
 
 
-def _passed(at: float) -> float:
-    """A metric of what is no picture, measured all the same."""
-    metrics.measure(*_broken(at))
-    return math.inf
-
-
 _TINY = (1e-2, 1e-5, 1e-10, 1e-20, 1e-30, 1e-44)
 _HUGE = (1e2, 1e5, 1e10, 1e20, 1e30, 3e38)
 _SIZES = (121.0, 256.0, 4096.0)
@@ -294,8 +282,4 @@ def probes() -> list[Probe]:
         probe("flip", "huge", _HUGE, _colours, _flip),
         probe("flip", "constant", _STEPS, _colours, _flip),
     ]
-    refused = "an error that names the picture and the pixel"
-    found.append(
-        Probe("metrics", "metric", "not-finite", "none", refused, 2.0**-53, 0.0, (1.0, 100.0), _passed, (1.0,))
-    )
     return found

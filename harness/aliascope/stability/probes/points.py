@@ -16,7 +16,7 @@ import numpy as np
 from aliascope.native.discrepancy import measure
 from aliascope.stability.exact import boxes, even, planes
 from aliascope.stability.exact.sets import LEVELS, SETS, Table, torus
-from aliascope.stability.records import Probe
+from aliascope.stability.records import NEVER, Probe
 
 Exact = list[tuple[Fraction, Fraction]]
 Truth = Callable[[Exact], object]
@@ -123,8 +123,20 @@ def _probe(component: str, extreme: str, run: Callable[[float], float], levels: 
     if component == "edge-max":
         against = "fractions, of the edge that it names, and no more than any edge has"
     quick = _quick(levels) if component != "box" else levels[1:2]  # whose truth takes the longest
-    return Probe(component, "measure", extreme, unit, against, precision, bound, levels, run, quick)
+    declines = DECLINES.get((component, extreme), NEVER)
+    return Probe(
+        component, "measure", extreme, unit, against, precision, bound, levels, run, quick, refuses_from=declines
+    )
 
+
+DECLINES = {
+    ("l2-extreme", "dimensions"): 1000.0,
+    ("min-distance", "few-points"): 1.0,
+    ("min-distance", "grid"): 1.0,
+    ("min-distance:torus=0", "few-points"): 1.0,
+    ("min-distance:torus=0", "grid"): 1.0,
+}
+"""From which level on: a square below all doubles; a single point, which has no other to be near to."""
 
 NETS = {"coincident", "few-points", "grid"}
 """Extremes of which some sets have a power of two points, as nets do."""

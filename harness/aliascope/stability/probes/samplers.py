@@ -9,6 +9,7 @@ from math import isqrt
 from aliascope.stability import sampler_checks as checks
 from aliascope.stability import sampler_definitions as definitions
 from aliascope.stability.records import Probe
+from aliascope.stability.sampler_refusals import refuses_from
 
 BLOCK = 256
 """Points that are looked at of a large N: the last; of those held against fractions, which are slow, 8."""
@@ -257,6 +258,7 @@ def _probe(row: Row, extreme: str, levels: tuple[float, ...], measure: Callable[
         measure,
         (quick,),
         row.note,
+        refuses_from=refuses_from(row.spec, extreme),
     )
 
 
