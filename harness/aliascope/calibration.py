@@ -7,9 +7,9 @@ import os
 import resource
 import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from aliascope.native.samplers import Sampler
@@ -113,6 +113,60 @@ class Watch:
     def noise(self) -> Noise | None:
         """What it comes to so far; None before the fixed job was run."""
         return noise(self._beats, self._efforts, self.others()) if self._beats else None
+
+
+class Elsewhere:
+    """What is seen of other machines that time pictures: the runs of the fixed job there, and how long what was timed
+    waited for a processor. What others used of theirs is not known."""
+
+    def __init__(self) -> None:
+        self._beats: dict[str, list[Beat]] = {}
+        self._efforts: dict[str, list[Effort]] = {}
+
+    def ran(self, machine: str, effort: Effort, beats: Sequence[Beat]) -> None:
+        """A timed run there, and those of the fixed job before it."""
+        self._beats.setdefault(machine, []).extend(beats)
+        self._efforts.setdefault(machine, []).append(effort)
+
+    def noise(self) -> Noise | None:
+        """Of all of them together; None before the fixed job was run."""
+        each = {name: noise(beats, self._efforts[name], None) for name, beats in self._beats.items() if beats}
+        return together(each) if each else None
+
+
+def together(machines: Mapping[str, Noise]) -> Noise:
+    """What is known of several machines, by their names, as one: the worst of each. Where their fixed jobs took times
+    that differ by more than MOST_SPREAD, times of different machines are not comparable, and that counts as loaded."""
+    found = list(machines.values())
+    seconds = {name: each.seconds for name, each in machines.items()}
+    fastest, slowest = min(seconds, key=seconds.__getitem__), max(seconds, key=seconds.__getitem__)
+    apart = seconds[slowest] / seconds[fastest] - 1.0
+    differ = apart > MOST_SPREAD
+    told = " ".join(f"{name}: {each.told}" for name, each in machines.items())
+    if differ:
+        told = (
+            f"The pictures were timed on {len(found)} machines, of which {slowest} is {100 * apart:.0f} % slower than "
+            f"{fastest} at the fixed job: times of different machines are mixed and not to be compared. {told}"
+        )
+    return Noise(
+        runs=sum(each.runs for each in found),
+        seconds=statistics.median(seconds.values()),
+        spread=max(each.spread for each in found),
+        drift=max((each.drift for each in found), key=abs),
+        slowest=max(each.slowest for each in found),
+        loaded=differ or any(each.loaded for each in found),
+        told=told,
+    )
+
+
+def mixed(noise: Noise | None, machines: Mapping[str, int]) -> Noise | None:
+    """What is known, where so many pictures were timed on each machine: of unlike ones, nothing says how their times
+    compare. Machines are alike that have the same words in brackets, their processors."""
+    kinds = {name.partition(" (")[2] for name in machines}
+    if noise is None or len(kinds) < 2:
+        return noise
+    told = f"The times of {len(machines)} unlike machines are mixed, and not to be compared."
+    return replace(noise, loaded=True, told=f"{told} {noise.told}")
 
 
 def noise(beats: Sequence[Beat], efforts: Sequence[Effort], others: float | None) -> Noise:

@@ -9,11 +9,28 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+LONGEST_MESSAGE = 4000
+"""Characters. What a file quotes of itself may be all of it."""
+
 
 class AliascopeError(Exception):
     """The root of the tree; never raised itself."""
 
     exit_code = 4
+
+    def __str__(self) -> str:
+        return one_line(super().__str__())
+
+
+def one_line(text: str) -> str:
+    """A text in which what is not to be printed, such as a line's end in a name, is as Python writes it in a string. Of
+    one that is longer than LONGEST_MESSAGE the middle is left out, and how much is said."""
+    if len(text) > LONGEST_MESSAGE:
+        half = LONGEST_MESSAGE // 2
+        text = f"{text[:half]} [... {len(text) - 2 * half} characters ...] {text[-half:]}"
+    if text.isprintable():
+        return text
+    return "".join(each if each.isprintable() else each.encode("unicode_escape").decode("ascii") for each in text)
 
 
 class CheckFailed(AliascopeError):
@@ -73,10 +90,16 @@ def _power(number: int) -> str:
     return f"2^{bits} - 1" if bits > 16 and number + 1 == 1 << bits else str(number)
 
 
+_LONGEST_WORD, _MOST_WORDS = 200, 500
+
+
 def near_misses(word: str, known: Iterable[str]) -> str:
     """The tail of an error about an unknown word: `; did you mean "x"?`, or the list of what is known."""
     names = sorted(set(known))
-    close = difflib.get_close_matches(word, names, n=3, cutoff=0.6)
+    # Of long words and many of them all this takes long, and is no help.
+    comparable = len(word) <= _LONGEST_WORD and len(names) <= _MOST_WORDS
+    close = difflib.get_close_matches(word, names, n=3, cutoff=0.6) if comparable else []
     if close:
         return "; did you mean " + " or ".join(f'"{name}"' for name in close) + "?"
-    return "; known: " + ", ".join(names) if names else ""
+    more = f" and {len(names) - _MOST_WORDS} more" if len(names) > _MOST_WORDS else ""
+    return "; known: " + ", ".join(names[:_MOST_WORDS]) + more if names else ""

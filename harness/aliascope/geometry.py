@@ -125,9 +125,11 @@ def triangulate(polygon: Polygon) -> Array:
         raise ValueError("the polygon crosses or touches itself")
     pieces = shapely.constrained_delaunay_triangles(outline).geoms
     corners = np.array([np.asarray(piece.exterior.coords)[:3] for piece in pieces])
-    distance = np.linalg.norm(corners[:, :, np.newaxis, :] - flat, axis=3)
-    nearest: Array = points[np.argmin(distance, axis=2)]
-    return nearest
+    # The corners are the polygon's, to the bit: found by their values, as there may be too many for all distances.
+    number = {place: i for i, place in enumerate(map(tuple, flat.tolist()))}
+    found = [number[place] for place in map(tuple, corners.reshape(-1, 2).tolist())]
+    drawn: Array = points[np.array(found)].reshape(-1, 3, 3)
+    return drawn
 
 
 @dataclass(frozen=True)

@@ -11,23 +11,29 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio  # the name that its own documentation uses
 
-from aliascope.errors import InvalidInput, NotWritable
+from aliascope.errors import InvalidInput, NotFinite, NotWritable
+from aliascope.model import LARGEST_AREA
 from aliascope.records import Counts, Pixels
 
 HEADER_PREFIX = "aliascope:"
+
+LARGEST_PICTURE = 4 * LARGEST_AREA
+"""Values of a picture that is read whole: 1 GiB as float32."""
+LARGEST_ROW = 1 << 24
+MOST_CHANNELS = 256
 
 
 def write_exr(path: Path, pixels: Pixels, header: Mapping[str, str], *, finite: bool = True) -> None:
     """Writes (height, width, channels) float32 as EXR; the header's entries get the prefix `aliascope:`.
 
-    The file appears under its name only when it is complete. Raises NotWritable; also, where values are to be
-    `finite`, for one that is not: it names the file and the first pixel.
+    The file appears under its name only when it is complete. Raises NotWritable; where values are to be `finite`,
+    NotFinite for one that is not: it names the file and the first pixel.
     """
     height, width, channels = pixels.shape
     broken = ~np.isfinite(pixels)
     if finite and broken.any():
         y, x, channel = (int(i) for i in np.argwhere(broken)[0])
-        raise NotWritable(
+        raise NotFinite(
             f"{path}: not written: {int(broken.sum())} values are no finite numbers, the first at x={x}, y={y}, "
             f"channel {channel} ({pixels[y, x, channel]:g})"
         )
@@ -44,7 +50,7 @@ def write_exr(path: Path, pixels: Pixels, header: Mapping[str, str], *, finite: 
         if out is None:
             raise NotWritable(f"{path}: {oiio.geterror()}")
         if not (out.open(str(temporary), spec) and out.write_image(np.ascontiguousarray(pixels)) and out.close()):
-            raise NotWritable(f"{path}: cannot be written: {out.geterror()}")
+            raise NotWritable(f"{path}: cannot be written: {_first_line(out.geterror())}")
         _sync(temporary)  # else the name can outlive a loss of power and the contents not
         temporary.replace(path)
     except OSError as error:
@@ -60,8 +66,11 @@ def write_counts(path: Path, counts: Counts, header: Mapping[str, str]) -> None:
 
 
 def read_counts(path: Path) -> Counts:
-    """What `write_counts` wrote. Raises InvalidInput."""
-    return read_image(path)[..., 0].astype(np.uint32)
+    """What `write_counts` wrote. Raises InvalidInput, also for a picture of values that are no counts."""
+    stored = read_image(path)[..., 0]
+    if not bool(((stored >= 0.0) & (stored < 2.0**32) & (stored == np.floor(stored))).all()):
+        raise InvalidInput(f"{path}: holds values that are no counts of samples: whole numbers from 0 to 2^32 - 1")
+    return stored.astype(np.uint32)
 
 
 def _sync(path: Path) -> None:
@@ -79,7 +88,8 @@ def remove_unfinished(folder: Path) -> None:
 def opened(path: Path) -> Iterator[oiio.ImageInput]:
     """A picture's file, open. Raises InvalidInput where it is not there or no picture."""
     if not path.is_file():
-        raise InvalidInput(f"{path}: there is no such file")
+        pipe = "it is no file, but a pipe, a device or a folder" if path.exists() else "there is no such file"
+        raise InvalidInput(f"{path}: {pipe}")
     # By its definition the rows of a PFM go from the bottom to the top, which OpenImageIO only heeds if asked to.
     config = oiio.ImageSpec()
     config.attribute("pnm:pfmflip", 1)
@@ -88,9 +98,23 @@ def opened(path: Path) -> Iterator[oiio.ImageInput]:
         if image is None:
             raise InvalidInput(f"{path}: not a picture that can be read: {_first_line(oiio.geterror())}")
         try:
+            _check_size(path, image.spec())
             yield image
         finally:
             image.close()
+
+
+def _values(spec: oiio.ImageSpec) -> int:
+    return int(spec.width) * int(spec.height) * max(1, int(spec.depth)) * int(spec.nchannels)
+
+
+def _check_size(path: Path, spec: oiio.ImageSpec) -> None:
+    """Raises InvalidInput for a header that claims more than is taken, before any of it is made."""
+    if spec.nchannels > MOST_CHANNELS or spec.width * spec.nchannels > LARGEST_ROW or spec.depth > 1:
+        raise InvalidInput(
+            f"{path}: says that it has {spec.nchannels} channels, {spec.width} pixels in a row, {spec.depth} layers: "
+            f"at most {MOST_CHANNELS} channels, {LARGEST_ROW} values in a row and one layer are read"
+        )
 
 
 def read_image(path: Path) -> Pixels:
@@ -99,6 +123,9 @@ def read_image(path: Path) -> Pixels:
     Raises InvalidInput where the file is not there, no picture, or not whole.
     """
     with opened(path) as image:
+        values = _values(image.spec())
+        if values > LARGEST_PICTURE:
+            raise InvalidInput(f"{path}: says that it has {values} values, and at most {LARGEST_PICTURE} are read")
         pixels = image.read_image(oiio.FLOAT)
         problem = image.geterror()  # a JPEG that ends too soon has pixels all the same
         if pixels is None or problem:

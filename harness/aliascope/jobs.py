@@ -8,8 +8,9 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
-from aliascope import draws, places, plan, renderers
+from aliascope import draws, places, plan, renderers, sharing
 from aliascope.errors import NotAvailable
 from aliascope.model import Scene
 from aliascope.native import samplers
@@ -87,7 +88,17 @@ def _digest(paths: tuple[Path, ...]) -> str:
 
 def code_digest(renderer: str, mode: Spec) -> str:
     """A hash of the code that pictures of this mode depend on: when it changes, they are made again."""
-    return _digest(code_of(renderer, any(key.kind == "spec" for key in mode.form.keys)))
+    return code_of_kind(renderer, has_sampler(mode))
+
+
+def code_of_kind(renderer: str, with_samplers: bool) -> str:
+    """The same of all modes that have a sampler, or have none."""
+    return _digest(code_of(renderer, with_samplers))
+
+
+def has_sampler(mode: Spec) -> bool:
+    """Whether pictures of this mode depend on the library of samplers."""
+    return any(key.kind == "spec" for key in mode.form.keys)
 
 
 def plugins_of(mode: Spec) -> dict[str, Plugin]:
@@ -99,7 +110,10 @@ def plugins_of(mode: Spec) -> dict[str, Plugin]:
 
 def plugin_versions(mode: Spec) -> dict[str, str]:
     """For provenance: path and hash of the plugins that a mode names, by "plugin NAME"."""
-    return {f"plugin {name}": f"{plugin.path} sha256 {plugin.sha256}" for name, plugin in plugins_of(mode).items()}
+    return {
+        f"plugin {name}": f"{sharing.shared(str(plugin.path))} sha256 {plugin.sha256}"
+        for name, plugin in plugins_of(mode).items()
+    }
 
 
 def make_plan(
@@ -135,6 +149,7 @@ def make_plan(
         for spec in specs.values():
             plugins.update(plugin_versions(spec))
         for file in files:
+            digest = file.scene.digest()
             for spec in specs.values():
                 if suits is not None and not suits(name, spec, file.scene):
                     continue
@@ -142,7 +157,7 @@ def make_plan(
                 if reason:
                     empty.append(EmptyCell(file.name, name, spec.text, reason))
                 else:
-                    jobs += _jobs(file, renderer, spec, seeds, size, own)
+                    jobs += _jobs(file, digest, renderer, spec, seeds, size, own)
     # By key, that is by chance: the time left can be told from the count, and no mode has the cold machine to itself.
     jobs.sort(key=lambda job: job.key)
     return Plan(tuple(jobs), tuple(empty), skipped, {file.name: file for file in files}, versions, plugins)
@@ -150,6 +165,7 @@ def make_plan(
 
 def _jobs(
     file: SceneFile,
+    digest: str,
     renderer: Renderer,
     spec: Spec,
     seeds: int,
@@ -162,22 +178,34 @@ def _jobs(
     else:
         places = places_of(file, pixels, filter_of(spec), seeds if renderer.shifts else 1)
         made = [(0, shift) for shift in places]
+    versions = versions_of(renderer, spec, versions)
     for seed, shift in made:
         yield plan.make_job(
             scene=file.name,
-            scene_path=str(file.path),
-            digest=file.scene.digest(),
+            scene_path=sharing.shared(str(file.path)),
+            digest=digest,
             renderer=renderer.name,
             mode=spec.text,
             size=pixels,
             seed=seed,
             shift=shift,
-            versions={
-                **versions,
-                "code": code_digest(renderer.name, spec),
-                **{f"plugin {name}": plugin.sha256 for name, plugin in plugins_of(spec).items()},
-            },
+            versions=versions,
         )
+
+
+@functools.cache
+def renderer_versions(renderer: str) -> Mapping[str, str]:
+    """A renderer's own; asked once. Raises NotAvailable."""
+    return renderers.find(renderer).versions()
+
+
+def versions_of(renderer: Renderer, mode: Spec, versions: Mapping[str, str]) -> dict[str, str]:
+    """Of all that renders a picture of this mode, where these are the renderer's own."""
+    return {
+        **versions,
+        "code": code_digest(renderer.name, mode),
+        **{f"plugin {name}": plugin.sha256 for name, plugin in plugins_of(mode).items()},
+    }
 
 
 def places_of(file: SceneFile, size: tuple[int, int], filter_: str, count: int) -> tuple[tuple[float, float], ...]:
@@ -210,4 +238,11 @@ def judged_by(job: Job) -> Judged:
 
 def mode_of(job: Job) -> Spec:
     """The parsed mode of a job."""
-    return renderers.mode_of(renderers.find(job.renderer), job.mode)
+    renderer: Any = renderers.find(job.renderer)
+    return _parsed(renderer, job.mode)
+
+
+@functools.lru_cache(maxsize=1 << 14)
+def _parsed(renderer: Renderer, mode: str) -> Spec:
+    """A plan has a mode once for each scene and seed."""
+    return renderers.mode_of(renderer, mode)

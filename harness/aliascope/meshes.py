@@ -3,25 +3,37 @@
 from __future__ import annotations
 
 import hashlib
+import logging
 from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from aliascope.bounded import read_bytes, shortened
 from aliascope.errors import InvalidInput
 from aliascope.geometry import Array
 from aliascope.model import LARGEST_COORDINATE
 
 LARGEST_FILE = 256 << 20
 MOST_TRIANGLES = 4_000_000
+MOST_OF_A_SCENE = 16_000_000
+"""Triangles of all meshes of a scene, those of frames too: 1.1 GiB."""
+LARGEST_FILES = 1 << 30
+"""Bytes of all mesh files of a scene."""
 ENDINGS = (".obj", ".ply", ".stl", ".off", ".glb")
 
 
 def within(folder: Path, name: str) -> Path:
     """The path of a mesh in a scene's folder or below. Raises InvalidInput for one that leads out of it."""
+    if "\0" in name:
+        raise InvalidInput(f'"{name}" is no name of a file')
     path = folder / name
-    if Path(name).is_absolute() or not path.resolve().is_relative_to(folder.resolve()):
+    try:
+        inside = path.resolve().is_relative_to(folder.resolve())
+    except (OSError, ValueError, RuntimeError) as error:  # a NUL byte; links that lead to each other
+        raise InvalidInput(f'"{shortened(name)}" is no name of a file: {error}') from error
+    if Path(name).is_absolute() or not inside:
         raise InvalidInput(f'"{name}" leads out of the scene\'s folder; put the mesh beside the scene')
     return path
 
@@ -34,12 +46,7 @@ def load(path: Path) -> tuple[str, Array]:
     """
     if path.suffix.lower() not in ENDINGS:
         raise InvalidInput(f'"{path.name}": a mesh is one of {", ".join(ENDINGS)}')
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise InvalidInput(f'"{path.name}": a mesh file has at most {LARGEST_FILE >> 20} MiB')
-        data = path.read_bytes()
-    except OSError as error:
-        raise InvalidInput(f'"{path.name}": cannot be read: {error.strerror}') from error
+    data = read_bytes(path, LARGEST_FILE, "mesh", f'"{path.name}"')
     triangles = _parse(data, path)
     if len(triangles) > MOST_TRIANGLES:
         raise InvalidInput(f'"{path.name}": has {len(triangles)} triangles, at most {MOST_TRIANGLES} are taken')
@@ -50,6 +57,7 @@ def load(path: Path) -> tuple[str, Array]:
 def _parse(data: bytes, path: Path) -> Array:
     import trimesh  # takes half a second to load, and most scenes have no mesh
 
+    logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # else it prints how it failed, beside our line
     try:
         mesh = trimesh.load_mesh(BytesIO(data), file_type=path.suffix[1:].lower(), process=False, skip_materials=True)
         return np.array(mesh.triangles, dtype=np.float64)
@@ -61,6 +69,8 @@ def _parse(data: bytes, path: Path) -> Array:
 def _check(triangles: Array, name: str) -> None:
     if len(triangles) == 0:
         raise InvalidInput(f'"{name}": has no triangles')
+    if triangles.shape[1:] != (3, 3):
+        raise InvalidInput(f'"{name}": has corners of {triangles.shape[-1]} coordinates, not x, y and z')
     bad = ~(np.abs(triangles) <= LARGEST_COORDINATE).all(axis=(1, 2))
     if bad.any():
         number = int(np.argmax(bad))

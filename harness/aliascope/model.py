@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
-from collections.abc import Mapping
-from typing import Annotated, Literal
+import weakref
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, Concatenate, Literal, ParamSpec, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+
+from aliascope.bounded import steers
 
 LARGEST_SIDE = 16384
 LARGEST_AREA = 1 << 26
 LARGEST_COORDINATE = 1e30
+LONGEST_TITLE, LONGEST_TEXT, LONGEST_NAME = 1000, 20_000, 1000
+MOST_MATERIALS, MOST_LIGHTS = 200_000, 10_000
+MOST_POINTS = 20_000
+"""Of a polygon. Triangles are found in a time as the square of their number: 5 s on an idle core."""
+MOST_SQUARES = 10**9
+"""Of all polygons of a scene: the sum of the squares of their numbers of points."""
 
 Coordinate = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST_COORDINATE, le=LARGEST_COORDINATE)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0, le=LARGEST_COORDINATE)]
@@ -37,6 +47,33 @@ def _check_direction(name: str, vector: Vector) -> None:
 
 class Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+Rest = ParamSpec("Rest")
+Found = TypeVar("Found")
+
+
+def by_scene(function: Callable[Concatenate[Scene, Rest], Found]) -> Callable[Concatenate[Scene, Rest], Found]:
+    """The function, with what it gave for a scene kept as long as the scene is there: a plan asks the same of one scene
+    for each of its modes. A scene is known by its identity, which is enough as it is immutable."""
+    kept: dict[int, dict[object, Found]] = {}
+
+    @functools.wraps(function)
+    def found(scene: Scene, *rest: Rest.args, **more: Rest.kwargs) -> Found:
+        if id(scene) not in kept:
+            kept[id(scene)] = {}
+            weakref.finalize(scene, kept.pop, id(scene), None).atexit = False
+        answers, key = kept[id(scene)], (rest, *sorted(more.items()))
+        if key not in answers:
+            answer = function(scene, *rest, **more)
+            answers[key] = _ITSELF if answer is scene else answer  # which would hold it for ever
+        known = answers[key]
+        return scene if known is _ITSELF else known  # type: ignore[return-value]
+
+    return cast(Callable[Concatenate[Scene, Rest], Found], found)
+
+
+_ITSELF: Any = object()
 
 
 class View(Part):
@@ -186,13 +223,13 @@ Motion = Annotated[Translate | Rotate | Frames, Field(discriminator="type")]
 
 
 class Surface(Part):
-    material: str
+    material: Annotated[str, Field(max_length=LONGEST_NAME)]
     motion: Motion | None = None
 
 
 class Polygon(Surface):
     type: Literal["polygon"]
-    points: Annotated[tuple[Vector, ...], Field(min_length=3, max_length=100_000)]
+    points: Annotated[tuple[Vector, ...], Field(min_length=3, max_length=MOST_POINTS)]
 
 
 class Mesh(Surface):
@@ -350,15 +387,28 @@ class Needs(Part):
         return sum(self.groups)
 
 
+Name = Annotated[str, Field(max_length=LONGEST_NAME)]
+
+
+def _shown(text: str) -> str:
+    if steers(text.replace("\n", "").replace("\t", "")):
+        raise ValueError("has control characters, which would steer a terminal: take them out")
+    return text
+
+
+Words = AfterValidator(_shown)
+"""Of people, for people."""
+
+
 class Scene(Part):
-    title: str
-    shows: str
+    title: Annotated[str, Field(max_length=LONGEST_TITLE), Words]
+    shows: Annotated[str, Field(max_length=LONGEST_TEXT), Words]
     view: View
     camera: Camera
-    materials: dict[str, Material]
+    materials: Annotated[dict[Annotated[Name, Words], Material], Field(max_length=MOST_MATERIALS)]
     surfaces: Annotated[tuple[AnySurface, ...], Field(max_length=1_000_000)] = ()
     """Of these, each `Mesh` becomes a `LoadedMesh` when the file is read; nothing else is given one."""
-    lights: tuple[AnyLight, ...] = ()
+    lights: Annotated[tuple[AnyLight, ...], Field(max_length=MOST_LIGHTS)] = ()
     transport: Transport = Transport()
 
     def with_meshes(self, loaded: Mapping[int, LoadedMesh]) -> Scene:

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
+import hashlib
+import logging
 import os
-import shlex
 import time
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from aliascope import calibration, image, metrics, places, renderers
-from aliascope.calibration import Effort, Watch
+from aliascope import calibration, image, logs, metrics, places, renderers, sharing, text_files
+from aliascope.calibration import Beat, Effort, Elsewhere, Watch
 from aliascope.draws import UNMOVED, text_of
-from aliascope.errors import AliascopeError, InvalidInput, JobFailed
+from aliascope.errors import AliascopeError, InvalidInput, JobFailed, NotFinite, NotWritable
 from aliascope.jobs import Judged, Plan, judged_by, mode_of, plugin_versions, plugins_of
-from aliascope.records import Job, Outcome, Pixels, Rendering
+from aliascope.records import Job, Machine, Noise, Outcome, Pixels, Rendering
 from aliascope.renderers.base import LEAST_SECONDS, Request
 from aliascope.scene_io import SceneFile
+from aliascope.scratch import remove_abandoned
 from aliascope.store import Store
-from aliascope.workers import Task, Workers
+from aliascope.workers import Pool, Task, Workers, first_done
 
 References = Mapping[Judged, Pixels]
 """The pictures that others are judged by."""
@@ -52,6 +53,11 @@ class Timed:
 
     rendering: Rendering
     effort: Effort
+    machine: Machine | None = None
+    """Which did it, where it is none of ours; then `processes` ran side by side there, and the fixed job of calibration
+    ran with these `beats` before it."""
+    processes: int = 0
+    beats: tuple[Beat, ...] = ()
 
 
 def render_job(file: SceneFile, job: Job, options: Options) -> Timed:
@@ -86,6 +92,14 @@ def measure_pictures(paths: Sequence[Path], reference: Pixels) -> list[dict[str,
     return [{name: value.value for name, value in values.items()} for values in measured]
 
 
+def about(job: Job) -> logs.About:
+    """What a log says of a job."""
+    moved = {} if job.shift == UNMOVED else {"shift": job.shift}
+    size = f"{job.width}x{job.height}"
+    names = {"scene": job.scene, "renderer": job.renderer, "mode": job.mode, "size": size, "seed": job.seed}
+    return {**names, **moved, "key": job.key}
+
+
 def image_path(job: Job) -> str:
     """Where a job's picture lies in the output folder."""
     mode = job.mode.translate(str.maketrans(":,=/", "_,=_"))
@@ -118,7 +132,8 @@ def provenance(job: Job, rendering: Rendering, versions: Mapping[str, str]) -> d
 
 def repeat_command(job: Job, time_limit: float = Request.time_limit) -> str:
     """The command that renders a job again, alone, with the plugins that its mode names."""
-    scene = job.scene if Path(job.scene_path).parent == places.SCENES else job.scene_path
+    where = Path(job.scene_path).expanduser()
+    scene = job.scene if where.parent == places.SCENES else str(where)
     words = [
         "aliascope",
         "render",
@@ -137,7 +152,7 @@ def repeat_command(job: Job, time_limit: float = Request.time_limit) -> str:
         words += ["--time-limit", f"{time_limit:g}"]
     for path in dict.fromkeys(plugin.path for plugin in plugins_of(mode_of(job)).values()):
         words += ["--plugin", path]
-    return shlex.join(words)
+    return sharing.command_line(words)
 
 
 class Keeper:
@@ -146,29 +161,46 @@ class Keeper:
     def __init__(self, folder: Path, store: Store, plan: Plan, processes: int) -> None:
         self._folder, self._store, self._plan, self._processes = folder, store, plan, processes
 
-    def keep(self, job: Job, task: Task[Timed], submitted: float, watch: Watch) -> Outcome:
-        """The outcome of one job, kept without metrics; a job that fails is an outcome too."""
+    def keep(self, job: Job, task: Task[Timed], submitted: float, saw: Callable[[Timed], None]) -> Outcome:
+        """The outcome of one job, kept without metrics; a job that fails is an outcome too. Raises NotWritable."""
         try:
             timed = task.result()
-            watch.ran(timed.effort)
-            path = image_path(job)
-            header = provenance(job, timed.rendering, self._plan.versions)
-            if timed.rendering.counts is not None:
-                image.write_counts(self._folder / counts_path(path), timed.rendering.counts, header)
-            image.write_exr(self._folder / path, timed.rendering.pixels, header)
-            outcome = Outcome(
-                job=job,
-                status="done",
-                cost=timed.rendering.cost,
-                quantum=timed.rendering.quantum,
-                image=path,
-                harness_seconds=time.perf_counter() - submitted - timed.effort.wall,
-                processes=self._processes,
-            )
         except AliascopeError as error:
-            outcome = Outcome(job=job, status="failed", message=str(error), processes=self._processes)
+            return self._failed(job, error)
+        saw(timed)
+        try:
+            files = self._write(job, timed.rendering)
+        except NotFinite as error:
+            return self._failed(job, error)
+        outcome = Outcome(
+            job=job,
+            status="done",
+            cost=timed.rendering.cost,
+            quantum=timed.rendering.quantum,
+            image=image_path(job),
+            harness_seconds=time.perf_counter() - submitted - timed.effort.wall,
+            processes=timed.processes or self._processes,
+            machine=str(timed.machine or ""),
+        )
+        self._store.put(outcome, files)
+        return outcome
+
+    def _failed(self, job: Job, error: AliascopeError) -> Outcome:
+        why = sharing.shared(str(error))
+        outcome = Outcome(job=job, status="failed", message=why, processes=self._processes)
+        logs.event(logging.INFO, "failed", f"failed {job.key}", **about(job), why=why, again=repeat_command(job))
         self._store.put(outcome)
         return outcome
+
+    def _write(self, job: Job, rendering: Rendering) -> dict[str, str]:
+        """Writes the picture of a job, and its counts, if any; their hashes, by path."""
+        path, header = image_path(job), provenance(job, rendering, self._plan.versions)
+        written = [path]
+        if rendering.counts is not None:
+            written.append(counts_path(path))
+            image.write_counts(self._folder / written[-1], rendering.counts, header)
+        image.write_exr(self._folder / path, rendering.pixels, header)
+        return {each: sha256_of(self._folder / each) for each in written}
 
     def path(self, outcome: Outcome) -> Path:
         """Where the picture of a kept outcome lies."""
@@ -180,13 +212,60 @@ class Keeper:
         return replace(outcome, metrics=values)
 
     def whole(self, outcome: Outcome) -> bool:
-        """Whether the picture of a kept outcome is there, can be read, and has its size; its counts too, if any."""
+        """Whether the files of a kept outcome are what was written. Of one whose hash was not kept, as earlier
+        versions did not: whether it can be read, and has its size."""
+        counts = [counts_path(outcome.image)] if mode_of(outcome.job).name == "adaptive" else []
         try:
-            if mode_of(outcome.job).name == "adaptive":
-                image.read_counts(self._folder / counts_path(outcome.image))
-            return image.read_image(self.path(outcome)).shape == (outcome.job.height, outcome.job.width, 3)
-        except InvalidInput:
+            for path in (outcome.image, *counts):
+                kept = self._store.file(path)
+                if kept is not None:
+                    if sha256_of(self._folder / path) != kept:
+                        return False
+                elif image.read_image(self._folder / path).shape[:2] != (outcome.job.height, outcome.job.width):
+                    return False
+        except (InvalidInput, OSError):
             return False
+        return True
+
+
+def sha256_of(path: Path) -> str:
+    """The hash of a file. Raises OSError."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+@dataclass
+class Kept:
+    """What a folder has of a plan: outcomes by key, which become more while it is executed. `reused`: how many there
+    were before; `changed`: pictures besides that were there and are not any more what was written. `rendered`: all of
+    the plan was."""
+
+    outcomes: dict[str, Outcome]
+    reused: int
+    changed: int
+    rendered: bool = False
+
+
+def kept_of(plan: Plan, folder: Path, store: Store, options: Options) -> Kept:
+    """What a folder has of a plan already.
+
+    What was timed beside more jobs than run side by side now does not count: its time is not comparable.
+    """
+    keeper = Keeper(folder, store, plan, options.processes)
+    done = store.done(job.key for job in plan.jobs)
+    comparable = [outcome for outcome in done.values() if outcome.processes <= options.processes]
+    whole = {outcome.job.key: outcome for outcome in comparable if keeper.whole(outcome)}
+    return Kept(whole, len(whole), len(comparable) - len(whole))
+
+
+def remove_unfinished(folder: Path) -> None:
+    """Removes what a process that was killed left half written in a folder of results, which nobody else writes to,
+    and its scratch folders."""
+    for name in ("images", "references"):
+        image.remove_unfinished(folder / name)
+    for each in (folder, folder / "plots"):
+        text_files.remove_unfinished(each)
+    remove_abandoned()
 
 
 class _Run:
@@ -194,31 +273,41 @@ class _Run:
 
     def __init__(self, plan: Plan, options: Options, keeper: Keeper, outcomes: dict[str, Outcome]) -> None:
         self._plan, self._options, self._keeper, self.outcomes = plan, options, keeper, outcomes
-        self.watch = Watch()
+        self._watch, self._elsewhere = Watch(), Elsewhere()
 
-    def render(self, jobs: Sequence[Job], workers: Workers, progress: Progress) -> None:
-        """Has jobs rendered in their order, the fixed job of calibration between them."""
-        waiting: deque[tuple[Job, Task[Timed], float]] = deque()
+    def noise(self) -> Noise | None:
+        """How steady what timed the jobs was."""
+        return self._elsewhere.noise() or self._watch.noise()
+
+    def render(self, jobs: Sequence[Job], workers: Pool, progress: Progress) -> None:
+        """Has jobs rendered in their order, the fixed job of calibration between them; elsewhere it is run there."""
+        waiting: list[tuple[Job, Task[Timed], float]] = []
         for number, job in enumerate(jobs):
-            if len(waiting) == self._options.processes:
-                self._finish(*waiting.popleft())
-            if number % calibration.EVERY == 0:
+            while len(waiting) >= workers.window:
+                self._finish(*waiting.pop(first_done([task for _, task, _ in waiting])))
+            if number % calibration.EVERY == 0 and not workers.elsewhere:
                 self._calibrate(workers)
             progress(job, number, len(jobs))
             arguments = [self._plan.files[job.scene], job, self._options]
-            task = workers.begin(render_job, arguments, self._options.time_limit)
+            task = workers.begin(render_job, arguments, self._options.time_limit, about(job))
             waiting.append((job, task, time.perf_counter()))
-        for job, task, submitted in waiting:
-            self._finish(job, task, submitted)
-        if jobs:
+        while waiting:
+            self._finish(*waiting.pop(first_done([task for _, task, _ in waiting])))
+        if jobs and not workers.elsewhere:
             self._calibrate(workers)
 
-    def _calibrate(self, workers: Workers) -> None:
+    def _calibrate(self, workers: Pool) -> None:
         with suppress(JobFailed):  # its process ended: what is wrong will be told of a picture
-            self.watch.beat(workers.begin(calibration.beat, [], self._options.time_limit).result())
+            self._watch.beat(workers.begin(calibration.beat, [], self._options.time_limit).result())
 
     def _finish(self, job: Job, task: Task[Timed], submitted: float) -> None:
-        self.outcomes[job.key] = self._keeper.keep(job, task, submitted, self.watch)
+        self.outcomes[job.key] = self._keeper.keep(job, task, submitted, self._saw)
+
+    def _saw(self, timed: Timed) -> None:
+        if timed.machine is None:
+            self._watch.ran(timed.effort)
+        else:
+            self._elsewhere.ran(timed.machine.name, timed.effort, timed.beats)
 
     def measure(self, references: References, workers: Workers | None, progress: Progress) -> None:
         """Measures what has not all metrics, by these workers where it is much."""
@@ -235,7 +324,10 @@ class _Run:
         arguments = [([self._keeper.path(each) for each in part], references[judged]) for judged, part in parts]
         begun: list[Task[list[dict[str, float | None]]]] = []
         if workers is not None and total > MEASURED_HERE:
-            begun = [workers.begin(measure_beside, each, MEASURING_LIMIT) for each in arguments]
+            begun = [
+                workers.begin(measure_beside, each, MEASURING_LIMIT, {"scene": judged[0], "measures": len(each[0])})
+                for (judged, _), each in zip(parts, arguments, strict=True)
+            ]
         for number, (_, part) in enumerate(parts):
             progress("the measures of the pictures", done, total)
             values = begun[number].result() if begun else measure_pictures(*arguments[number])
@@ -251,30 +343,41 @@ def execute(
     references: References,
     options: Options,
     progress: Progress,
-    workers: Workers,
+    workers: Pool,
     measurers: Workers | None = None,
+    kept: Kept | None = None,
 ) -> tuple[dict[str, Outcome], int]:
-    """Has the workers time what the store does not have, in the order of the plan, which is by chance, and then
-    measured, by the `measurers` if there are any. Returns the outcomes by key, and how many of them were there already.
-    The store keeps how steady the machine was.
+    """Has the workers time what is not `kept`, by default what the store has, in the order of the plan, which is by
+    chance, and then measured, by the `measurers` if there are any. Returns the outcomes by key, those of `kept`, and
+    how many of them were there already. The store keeps how steady the machine was.
 
-    What was timed beside more jobs than run side by side now does not count: its time is not comparable.
+    Raises NotWritable, and whatever ends it early, with the outcomes until then in `kept`.
     """
-    image.remove_unfinished(folder / "images")
-    keeper = Keeper(folder, store, plan, options.processes)
-    done = store.done(job.key for job in plan.jobs)
-    kept = {
-        key: outcome
-        for key, outcome in done.items()
-        if outcome.processes <= options.processes and keeper.whole(outcome)
-    }
-    reused, todo = len(kept), [job for job in plan.jobs if job.key not in kept]
-    run = _Run(plan, options, keeper, kept)
+    kept = kept_of(plan, folder, store, options) if kept is None else kept
+    todo = [job for job in plan.jobs if job.key not in kept.outcomes]
+    run = _Run(plan, options, Keeper(folder, store, plan, options.processes), kept.outcomes)
     try:
         run.render(todo, workers, progress)
+        kept.rendered = True
     finally:
-        store.put_noise(run.watch.noise())
+        with suppress(NotWritable) if not kept.rendered else nullcontext():  # what ended it says why
+            store.put_noise(run.noise())
     run.measure(references, measurers, progress)
     if todo:
         progress(None, len(todo), len(todo))
-    return run.outcomes, reused
+    return run.outcomes, kept.reused
+
+
+def measure_rest(
+    plan: Plan,
+    folder: Path,
+    store: Store,
+    references: References,
+    options: Options,
+    progress: Progress,
+    measurers: Workers,
+    kept: Kept,
+) -> None:
+    """Measures what was rendered until `execute` ended early."""
+    run = _Run(plan, options, Keeper(folder, store, plan, options.processes), kept.outcomes)
+    run.measure(references, measurers, progress)

@@ -1,4 +1,8 @@
-"""Where the project's own scenes, references and libraries lie, and from which revision and machine results come."""
+"""Where the project's own scenes, references and libraries lie, and from which revision and machine results come.
+
+In the source tree, which `make` installs by reference, they lie where they are edited; an installed package has its
+own, in `data` beside its modules, as the build put them there (`harness/build_package.py`). Nothing else decides.
+"""
 
 from __future__ import annotations
 
@@ -9,17 +13,43 @@ import subprocess
 from importlib.metadata import version
 from pathlib import Path
 
-_ROOT = Path(__file__).resolve().parents[2]
+from aliascope.errors import InvalidInput
+
+_PACKAGE = Path(__file__).resolve().parent
+_PACKED = _PACKAGE / "data"
+INSTALLED = _PACKED.is_dir()
+"""Whether this is a package that was built and installed, not the source tree."""
+_ROOT = _PACKED if INSTALLED else _PACKAGE.parents[1]
 
 SCENES = _ROOT / "scenes"
 REFERENCES = _ROOT / "reference"
-LIBRARIES = Path(__file__).parent / "native" / "lib"
+LIBRARIES = _PACKAGE / "native" / "lib"
+REVISION = _ROOT / "revision"
+"""Of an installed package, and of a source distribution: which revision of the repository it was made from."""
+
+
+def kept_in(folder: Path | None, option: str) -> Path:
+    """The folder that references and blessed figures are to be written to: one that was given, else the source tree's.
+
+    Raises InvalidInput for an installed package's: the next installation would throw away what is written there.
+    """
+    if INSTALLED and (folder is None or folder.resolve() == REFERENCES):
+        raise InvalidInput(
+            f"the references of an installed aliascope stay as they are: name a folder of yours with {option} DIR"
+        )
+    return folder or REFERENCES
 
 
 @functools.cache
 def revision() -> str:
-    """The git revision of the source tree, with "+" where it has changes; "unknown" outside a repository."""
+    """The git revision of the source tree, with "+" where it has changes, or what was written when it was packed;
+    "unknown" outside a repository."""
     try:
+        if REVISION.is_file():
+            return REVISION.read_text(encoding="utf-8").strip()
+        # The repository of somebody else may lie around it.
+        if Path(_git("rev-parse", "--show-toplevel")) != _ROOT:
+            return "unknown"
         commit = _git("rev-parse", "--short=12", "HEAD")
         return commit + ("+" if _git("status", "--porcelain", "--untracked-files=no") else "")
     except (OSError, subprocess.CalledProcessError):

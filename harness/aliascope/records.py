@@ -63,6 +63,19 @@ class Job:
 
 
 @dataclass(frozen=True)
+class Machine:
+    """A machine that timed pictures elsewhere. `identity` is the same in all of its containers."""
+
+    name: str
+    processor: str
+    cores: str
+    identity: str
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.processor}, {self.cores} cores)"
+
+
+@dataclass(frozen=True)
 class EmptyCell:
     """A renderer and mode that cannot draw a scene, and why."""
 
@@ -87,7 +100,9 @@ class Outcome:
     harness_seconds: float = 0.0
     """Wall time of the job beyond rendering and measuring."""
     processes: int = 1
-    """How many jobs ran side by side while this one was timed."""
+    """How many jobs ran side by side, on the same machine, while this one was timed."""
+    machine: str = ""
+    """Which one timed it, where it was not that of the run."""
 
 
 @dataclass(frozen=True)

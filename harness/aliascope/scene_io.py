@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, get_args
 
@@ -10,10 +10,14 @@ import numpy as np
 from pydantic import ValidationError
 
 from aliascope import meshes, model, motion, places, toml_files
+from aliascope.bounded import as_shown, shortened, steers
 from aliascope.errors import InvalidInput, near_misses
 from aliascope.geometry import Array, triangulate
 from aliascope.gltf import document, reading
 from aliascope.model import Frames, LoadedMesh, Mesh, Part, Polygon, Scene
+
+LONGEST_NAME = 200
+"""Of a scene: what is added for a file of results still fits."""
 
 ENDINGS = (".toml", *document.ENDINGS)
 
@@ -50,6 +54,7 @@ def load(scene: str) -> SceneFile:
 
 def load_file(path: Path) -> SceneFile:
     """The scene of a file, read as its ending says: glTF, else TOML."""
+    _check_name(path)
     if path.suffix.lower() in document.ENDINGS:
         found = reading.read(path)
         return SceneFile(path.stem, path, found.scene, found.notes)
@@ -68,13 +73,25 @@ def load_file(path: Path) -> SceneFile:
         ) from error
 
 
+def _check_name(path: Path) -> None:
+    """Raises InvalidInput for a file whose name, which is its scene's, would lead elsewhere as the name of a folder, or
+    steer a terminal."""
+    name = path.stem
+    if name in ("", ".", "..") or "\0" in name or len(name) > LONGEST_NAME or steers(name):
+        raise InvalidInput(
+            f"{as_shown(str(path))}: a scene is named as its file, with 1 to {LONGEST_NAME} characters, which are "
+            "letters, digits and signs, and not . or ..: rename it"
+        )
+
+
 def _meshes(path: Path, lines: dict[toml_files.Place, int], scene: Scene) -> dict[int, LoadedMesh]:
     """The meshes of a scene by the number of their surface; their files lie in its folder or below."""
     loaded: dict[int, LoadedMesh] = {}
+    reader = _Meshes(path, lines)
     for index, surface in enumerate(scene.surfaces):
         if isinstance(surface, Mesh):
             names = (surface.file, *(surface.motion.files if isinstance(surface.motion, Frames) else ()))
-            read = [_mesh(path, lines, index, name, later > 0) for later, name in enumerate(names)]
+            read = [reader.read(index, name, later > 0) for later, name in enumerate(names)]
             sha256, triangles = read[0]
             frames = None
             for name, (frame_sha256, frame) in zip(names[1:], read[1:], strict=True):
@@ -93,21 +110,55 @@ def _meshes(path: Path, lines: dict[toml_files.Place, int], scene: Scene) -> dic
     return loaded
 
 
-def _mesh(path: Path, lines: dict[toml_files.Place, int], index: int, name: str, frame: bool) -> tuple[str, Array]:
-    key = "motion" if frame else "file"
-    try:
-        return meshes.load(meshes.within(path.parent, name))
-    except InvalidInput as error:
-        line = toml_files.line_of(lines, ("surfaces", index, key))
-        raise InvalidInput(f"{path}:{line}: surfaces.{key}: {error}") from error
+@dataclass
+class _Meshes:
+    """Reads the meshes of a scene, each file once, and holds them to what a scene may have together."""
+
+    path: Path
+    lines: dict[toml_files.Place, int]
+    known: dict[Path, tuple[str, Array]] = field(default_factory=dict)
+    triangles: int = 0
+    size: int = 0
+
+    def read(self, index: int, name: str, frame: bool) -> tuple[str, Array]:
+        """The file's SHA-256, and its triangles. Raises InvalidInput."""
+        key = "motion" if frame else "file"
+        try:
+            place = meshes.within(self.path.parent, name)
+            if place not in self.known:
+                self._add(place)
+            found = self.known[place]
+            self.triangles += len(found[1])
+            if self.triangles > meshes.MOST_OF_A_SCENE:
+                raise InvalidInput(f"the meshes of a scene have at most {meshes.MOST_OF_A_SCENE} triangles, frames too")
+        except InvalidInput as error:
+            line = toml_files.line_of(self.lines, ("surfaces", index, key))
+            raise InvalidInput(f"{self.path}:{line}: surfaces.{key}: {error}") from error
+        return found
+
+    def _add(self, place: Path) -> None:
+        if place.is_file():
+            self.size += place.stat().st_size
+        if self.size > meshes.LARGEST_FILES:
+            raise InvalidInput(f"the mesh files of a scene have at most {meshes.LARGEST_FILES >> 20} MiB together")
+        if place.suffix.lower() in document.ENDINGS:
+            reading.check(place)  # its nodes and counts, which trimesh takes as they are
+        self.known[place] = meshes.load(place)
 
 
 def _check_surfaces(path: Path, lines: dict[toml_files.Place, int], scene: Scene) -> None:
+    if sum(len(each.points) ** 2 for each in scene.surfaces if isinstance(each, Polygon)) > model.MOST_SQUARES:
+        raise InvalidInput(
+            f"{path}: the squares of the numbers of points of its polygons add up to more than {model.MOST_SQUARES}, "
+            "and their triangles would take too long to find: cut the largest into pieces"
+        )
     for index, surface in enumerate(scene.surfaces):
         if surface.material not in scene.materials:
             line = toml_files.line_of(lines, ("surfaces", index, "material"))
             missed = near_misses(surface.material, scene.materials)
-            raise InvalidInput(f'{path}:{line}: surfaces.material: unknown material "{surface.material}"{missed}')
+            raise InvalidInput(
+                f'{path}:{line}: surfaces.material: unknown material "{shortened(surface.material)}"{missed}'
+            )
         if isinstance(surface.motion, Frames):
             line = toml_files.line_of(lines, ("surfaces", index, "motion"))
             if not isinstance(surface, Mesh):

@@ -15,6 +15,9 @@ from aliascope.errors import SpecError, near_misses
 
 Value = int | float | str
 
+LONGEST = 4096
+"""Characters of a spec."""
+
 
 @dataclass(frozen=True)
 class Key:
@@ -72,6 +75,8 @@ def join(name: str, pairs: Mapping[str, str]) -> str:
 
 def split(text: str) -> tuple[str, dict[str, str]]:
     """The name and the `key=value` pairs of a spec, as they are written."""
+    if len(text) > LONGEST:
+        raise SpecError(f"a spec has at most {LONGEST} characters, not {len(text)}")
     name, colon, tail = text.strip().partition(":")
     pairs: dict[str, str] = {}
     for item in tail.split(",") if colon else ():
@@ -182,9 +187,12 @@ def _value(key: Key, text: str, where: str) -> Value:
         return text
     try:
         number: Value = int(text) if key.kind == "integer" else float(text)
+        within = key.minimum <= float(number) <= key.maximum
+    except OverflowError:  # a whole number larger than any double
+        within = False
     except ValueError:
         raise SpecError(f'{where}: {key.name}="{text}" is not {_article(key.kind)} number') from None
-    if not key.minimum <= float(number) <= key.maximum:
+    if not within:
         raise SpecError(f"{where}: {key.name}={text} lies outside [{key.minimum:g}, {key.maximum:g}]")
     return number
 

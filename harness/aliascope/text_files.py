@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -23,6 +24,13 @@ def write_text(path: Path, text: str) -> Path:
         with contextlib.suppress(OSError):  # where the folder is none, neither is the file
             temporary.unlink()
     return path
+
+
+def remove_unfinished(folder: Path) -> None:
+    """Removes what a process that was killed in `write_text` left in this folder."""
+    for path in folder.glob(".*"):
+        if re.fullmatch(r"\..+\.\d+", path.name):
+            path.unlink(missing_ok=True)
 
 
 def append_lines(path: Path, lines: Sequence[str]) -> Path:

@@ -11,9 +11,12 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from aliascope.bounded import read_bytes, shortened
 from aliascope.errors import InvalidInput, near_misses
 
 LARGEST_FILE = 64 << 20
+MOST_PARTS = 32
+"""Of a dotted key. Reading one takes as long as their square."""
 
 Place = tuple[str | int, ...]
 """Of a table or key in a file: ("surfaces", 3, "points")."""
@@ -25,21 +28,31 @@ Fields = Callable[[Place], Sequence[str]]
 def read(path: Path, what: str) -> tuple[dict[str, Any], dict[Place, int]]:
     """The contents of a file, and the line of each key. `what` it holds, for errors. Raises InvalidInput."""
     try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise InvalidInput(f"{path}: a {what} file has at most {LARGEST_FILE >> 20} MiB")
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InvalidInput(f"{path}: cannot be read: {error.strerror}") from error
+        text = read_bytes(path, LARGEST_FILE, what).decode("utf-8").replace("\r\n", "\n")
     except UnicodeDecodeError as error:
         raise InvalidInput(f"{path}: is not UTF-8 text") from error
+    _check_keys(path, text)
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         place = re.search(r"\(at line (\d+), column \d+\)", str(error))
         line = place[1] if place else str(text.count("\n") + 1)
         reason = re.sub(r" \(at .*\)$", "", str(error))
-        raise InvalidInput(f"{path}:{line}: not TOML: {reason}") from error
+        raise InvalidInput(f"{path}:{line}: not TOML: {shortened(reason)}") from error
+    except RecursionError as error:
+        raise InvalidInput(f"{path}: not read: its lists and tables lie in each other hundreds deep") from error
+    except ValueError as error:
+        raise InvalidInput(f"{path}: not read: {shortened(str(error))}") from error
     return data, line_map(text)
+
+
+def _check_keys(path: Path, text: str) -> None:
+    """Raises InvalidInput for keys of more than MOST_PARTS, before they are read."""
+    number = 1
+    for piece in _BETWEEN.split(_TEXTS.sub(lambda found: '"' + "\n" * found[0].count("\n"), text)):
+        if piece.count(".") >= MOST_PARTS:
+            raise InvalidInput(f"{path}:{number}: a key has at most {MOST_PARTS} parts")
+        number += piece == "\n"
 
 
 def refused(
@@ -73,21 +86,34 @@ def _message(
     text = detail["msg"].removeprefix("Value error, ")
     if detail["type"] == "extra_forbidden":
         key = str(location[-1])
-        text = f'unknown key "{key}"{near_misses(key, fields(location[:-1]))}'
+        text = f'unknown key "{shortened(key)}"{near_misses(key, fields(location[:-1]))}'
         shown = shown.rpartition(".")[0] or what
     elif detail["type"] == "union_tag_invalid":
         tag = str(detail.get("ctx", {}).get("tag"))
         expected = re.findall(r"'([^']*)'", str(detail.get("ctx", {}).get("expected_tags")))
-        text = f'unknown type "{tag}"{near_misses(tag, expected)}'
+        text = f'unknown type "{shortened(tag)}"{near_misses(tag, expected)}'
         location = (*location, "type")
     elif detail["type"] == "missing":
-        text = f'the key "{location[-1]}" is missing'
+        text = f'the key "{shortened(str(location[-1]))}" is missing'
     elif detail["type"] in _BOUNDS:
         words, bound = _BOUNDS[detail["type"]]
-        text = f"must be {words} {detail['ctx'][bound]:g}, not {detail['input']!r}"
+        text = f"must be {words} {detail['ctx'][bound]:g}, not {_value(detail['input'])}"
     elif "input" in detail and isinstance(detail["input"], str | int | float):
-        text += f", not {detail['input']!r}"
-    return f"{path}:{line_of(lines, location)}: {shown}: {text}"
+        text += f", not {_value(detail['input'])}"
+    return f"{path}:{line_of(lines, location)}: {shortened(shown)}: {text}"
+
+
+def _value(value: object) -> str:
+    """As it is written, shortened."""
+    if isinstance(value, str):
+        return repr(shortened(value))
+    # The digits of a large whole number are not made: that takes as long as their square.
+    return f"{float(value):g}" if isinstance(value, int) and 64 < value.bit_length() < 1000 else _plain(value)
+
+
+def _plain(value: object) -> str:
+    large = isinstance(value, int) and value.bit_length() >= 1000
+    return "a number of hundreds of digits" if large else shortened(repr(value))
 
 
 def line_of(lines: Mapping[Place, int], location: Place) -> int:
@@ -104,6 +130,12 @@ def line_of(lines: Mapping[Place, int], location: Place) -> int:
 _HEADER = re.compile(r"^\s*\[(\[)?\s*([^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
 _PAIR = re.compile(r"^\s*((?:[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*')(?:\s*\.\s*(?:[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*'))*)\s*=")
 _KEY_PART = re.compile(r"[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*'")
+_TEXTS = re.compile(
+    r"""\"\"\"(?:\\.|[^\\])*?(?:\"\"\"|\Z)|'{3}.*?(?:'{3}|\Z)|\"(?:\\.|[^\"\\\n])*+(?:\"|(?=\n)|\\?\Z)|"""
+    r"'[^'\n]*+(?:'|(?=\n)|\Z)|#[^\n]*+",
+    re.DOTALL,
+)
+_BETWEEN = re.compile(r"([\n=,\[\]{}])")
 _STRINGS_AND_COMMENTS = re.compile(r"\"(?:\\.|[^\"\\])*\"|'[^']*'|#.*")
 
 

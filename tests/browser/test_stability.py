@@ -126,6 +126,22 @@ def test_heads_stay_in_sight(opened: Open) -> None:
     assert row - left == pytest.approx(1.0, abs=1.0)
 
 
+def test_shadows_stand_where_there_is_more_and_row_names_break_between_words(opened: Open) -> None:
+    narrow = opened(width=380)
+    frame, box = narrow.locator("#geometry .map-frame"), narrow.locator("#geometry .map-box")
+    expect(frame).to_have_class(re.compile("more-right"))
+    box.evaluate("(node) => node.scrollTo(node.scrollWidth, node.scrollHeight)")
+    expect(frame).not_to_have_class(re.compile("more-right|more-below"))
+    # The pieces between places where a name may break, each of which has one box while it is in one line.
+    words = """(head) => [...head.childNodes].filter((node) => node.nodeType === Node.TEXT_NODE).every((node) => {
+      const range = document.createRange();
+      range.selectNodeContents(node);
+      return range.getClientRects().length === 1;
+    })"""
+    heads = narrow.locator("#geometry th.spec, #counts th.spec")
+    assert all(heads.nth(place).evaluate(words) for place in range(heads.count()))
+
+
 def test_keys_walk_the_map_and_open_a_cell(opened: Open) -> None:
     page = opened()
     page.locator("nav a").last.focus()

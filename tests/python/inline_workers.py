@@ -26,5 +26,5 @@ class Inline:
     def __exit__(self, *of: object) -> None:
         pass
 
-    def begin(self, task: Callable[..., Any], arguments: Sequence[Any], time_limit: float) -> Now:
+    def begin(self, task: Callable[..., Any], arguments: Sequence[Any], time_limit: float, about: object = None) -> Now:
         return Now(lambda: task(*arguments))

@@ -68,7 +68,7 @@ def test_a_second_compare_renders_nothing(tmp_path: Path) -> None:
     assert second["rows"] == first["rows"]
 
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        assert database.execute("PRAGMA user_version").fetchone() == (4,)
+        assert database.execute("PRAGMA user_version").fetchone() == (6,)
         revision, machine, versions = database.execute("SELECT revision, machine, versions FROM run").fetchone()
         rows = database.execute("SELECT image, seed, cpu_seconds, samples FROM job WHERE shift_right = 0").fetchall()
         moved = database.execute("SELECT image, shift_right, shift_down FROM job WHERE shift_right != 0").fetchall()
@@ -147,11 +147,12 @@ def test_times_of_jobs_side_by_side_do_not_pass_for_those_of_jobs_alone(tmp_path
         for column in ("shift_right", "shift_down", "instructions"):
             database.execute(f"ALTER TABLE job DROP COLUMN {column}")
         database.execute("ALTER TABLE run DROP COLUMN noise")
-        database.execute("DROP TABLE probe")
+        for table in ("probe", "file", "machine"):
+            database.execute(f"DROP TABLE {table}")
         database.execute("PRAGMA user_version = 1")
     assert compare(tmp_path, *modes)["reused"] == SEEDS
     with sqlite3.connect(tmp_path / "results.sqlite") as database:
-        assert database.execute("PRAGMA user_version").fetchone() == (4,)
+        assert database.execute("PRAGMA user_version").fetchone() == (6,)
         assert database.execute("SELECT DISTINCT processes FROM job").fetchall() == [(1,)]
 
 

@@ -15,7 +15,8 @@ from aliascope.jobs import Plan
 from aliascope.records import Estimate
 from aliascope.references import Reference
 from aliascope.studies import selection
-from aliascope.studies.compare import reference_of, references_of, with_reference
+from aliascope.studies.compare import with_reference
+from aliascope.studies.compare_references import reference_of, references_of
 from aliascope.studies.progress import converging
 
 

@@ -91,7 +91,7 @@ class Here:
 
     begun = 0
 
-    def begin(self, task: Callable[..., Any], arguments: list[Any], time_limit: float) -> Done:
+    def begin(self, task: Callable[..., Any], arguments: list[Any], time_limit: float, about: object = None) -> Done:
         self.begun += 1
         return Done(lambda: task(*arguments))
 

@@ -10,7 +10,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
-from aliascope.errors import InvalidInput, NotWritable
+from aliascope.errors import InvalidInput, NotFinite, NotWritable
 from aliascope.image import read_header, read_image, write_exr
 
 
@@ -27,7 +27,7 @@ def test_every_float_and_the_header_come_back(tmp_path: Path) -> None:
 def test_a_picture_that_is_no_number_is_not_written(tmp_path: Path, value: float) -> None:
     pixels = np.full((5, 7, 3), 3e38, np.float32)
     pixels[4, 6, 2] = pixels[3, 5, 1] = value
-    with pytest.raises(NotWritable, match=r"a\.exr: not written: 2 values .* first at x=5, y=3, channel 1"):
+    with pytest.raises(NotFinite, match=r"a\.exr: not written: 2 values .* first at x=5, y=3, channel 1"):
         write_exr(tmp_path / "a.exr", pixels, {})
     assert not list(tmp_path.iterdir())
 

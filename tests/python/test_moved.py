@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from aliascope import scene_io
 from aliascope.errors import InvalidInput
-from aliascope.model import LoadedMesh, Scene
+from aliascope.model import Frames, LoadedMesh, Scene
 from aliascope.native.tracer import Tracer
 from aliascope.placement import moved, scaled
 from aliascope.stability.geometry_scenes import ball_on_a_floor, perspective
@@ -55,10 +55,27 @@ def test_back_again_it_is_the_scene() -> None:
     assert moved(terrain, (0.5, 0.0, 0.0)).digest() != terrain.digest()
     meshes = [each for each in moved(terrain, (0.5, 0.0, 0.0)).surfaces if isinstance(each, LoadedMesh)]
     assert meshes
+    assert not {each.sha256 for each in meshes} & {getattr(each, "sha256", "") for each in terrain.surfaces}
     assert all(
         np.array_equal(there.triangles, here.triangles + np.array([0.5, 0.0, 0.0]))
         for there, here in zip(meshes, (each for each in terrain.surfaces if isinstance(each, LoadedMesh)), strict=True)
     )
+
+
+def test_frames_go_along_with_their_mesh() -> None:
+    frames = np.arange(18.0).reshape(2, 1, 3, 3) ** 2
+    walking = LoadedMesh(
+        material="white",
+        sha256="",
+        triangles=frames[0],
+        frames=frames,
+        motion=Frames(type="frames", files=("second.ply",)),
+    )
+    scene = scene_io.load("edge").scene.model_copy(update={"surfaces": (walking,)})
+    (there,) = scaled(moved(scene, (1.0, -2.0, 3.0)), 2.0).surfaces
+    assert isinstance(there, LoadedMesh)
+    assert there.frames is not None
+    np.testing.assert_array_equal(there.frames, 2.0 * (frames + np.array([1.0, -2.0, 3.0])))
 
 
 def test_where_sums_make_no_scene_it_is_refused() -> None:

@@ -24,9 +24,9 @@ from aliascope.renderers.base import Request
 from aliascope.store import Store
 
 PACKAGE = Path(aliascope.__file__).parent
-HARMLESS = {"errors.py", "records.py", "draws.py", "places.py"}
+HARMLESS = {"errors.py", "records.py", "draws.py", "places.py", "scratch.py", "logs.py", "sharing.py", "bounded.py"}
 """Imported by renderers, and free of anything that could change a picture: messages, frozen types, how far a film may
-be moved, and where files lie."""
+be moved, where files lie, folders for a moment, what is logged, and files that are read whole or refused."""
 
 
 def imported(path: Path) -> set[Path]:
@@ -85,13 +85,17 @@ def test_pictures_do_not_depend_on_the_code_of_another_renderer() -> None:
 class Slow:
     """Workers whose tasks are done when their results are asked for, and what they were given."""
 
+    elsewhere, window, processes = False, 1, 1
+
     def __init__(self) -> None:
         self.begun: list[tuple[str, float]] = []
         """In order: the renderer of a job or the name of another task, and how many tasks ran with it."""
         self.least: set[float] = set()
         self.running: list[object] = []
 
-    def begin(self, task: Callable[..., Any], arguments: Sequence[Any], time_limit: float) -> Running:
+    def begin(
+        self, task: Callable[..., Any], arguments: Sequence[Any], time_limit: float, about: object = None
+    ) -> Running:
         name = task.__name__
         if name == "render_job":
             name = arguments[1].renderer

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from aliascope import placement, scene_io
 from aliascope.geometry import frame_of, triangulate
-from aliascope.model import Polygon, Scene
+from aliascope.model import Polygon, Scene, Translate
 from aliascope.placement import FAR, LARGEST, SMALLEST, moved, placed, scaled, size_of
 from aliascope.renderers import base, mode_of, osmesa, povray
 from aliascope.renderers.povray_frames import frames_of
@@ -71,6 +71,12 @@ def test_what_reaches_to_the_sides_does_not_count() -> None:
     wide = scene.surfaces[0].model_copy(update={"points": ((-1e9, 0.0, 0.0), (1e9, 0.0, 0.0), (0.0, 1e9, 0.0))})
     there = scene.model_copy(update={"surfaces": (*scene.surfaces, wide)})
     assert placed(there) is there
+
+
+def test_where_motion_takes_things_counts() -> None:
+    scene = scene_io.load("edge").scene
+    away = scene.surfaces[0].model_copy(update={"motion": Translate(type="translate", by=(0.0, 0.0, -100.0))})
+    assert size_of(scene.model_copy(update={"surfaces": (away,)})) == 104.0
 
 
 def test_numbers_that_no_scene_may_have_leave_it_as_it_is() -> None:
@@ -139,6 +145,18 @@ def test_light_that_falls_off_goes_along() -> None:
         for power in (-30, 30):
             # POV-Ray's colours are float, and its fall-off goes by a distance that is scaled: within steps of 16 bits.
             assert np.abs(picture(renderer, scaled(scene, 2.0**power), "none") - still).max() < 3.0 / 65535.0
+
+
+@pytest.mark.parametrize("kind", ["disc", "sphere"])
+def test_lights_with_a_radius_grow_with_their_scene(kind: str) -> None:
+    lamp = {"type": kind, "centre": (1.0, 2.0, 3.0), "radius": 0.25, "intensity": (1.0, 1.0, 1.0)}
+    if kind == "disc":
+        lamp["normal"] = (0.0, -1.0, 0.0)
+    scene = scene_io.load("spheres").scene
+    scene = Scene.model_validate({**scene.model_dump(exclude={"lights"}), "lights": [lamp]})
+    (light,) = scaled(scene, 8.0).lights
+    assert light.model_dump()["centre"] == (8.0, 16.0, 24.0)
+    assert light.model_dump()["radius"] == 2.0
 
 
 def test_as_they_are_coordinates_are_those_of_the_scene() -> None:

@@ -337,7 +337,7 @@ def test_its_range_is_what_povray_draws(monkeypatch: pytest.MonkeyPatch) -> None
         scenes.append(scene.model_copy(update={"camera": camera}))
     as_they_are = "none:recentre=0"
     reasons = [RENDERER.unable(scene, mode(as_they_are)) for scene in scenes]
-    monkeypatch.setattr(povray, "out_of_reach", lambda *_: None)
+    monkeypatch.setattr(povray, "_lost_at_all", lambda *_: None)
     for distance, reason, rendering in zip(distances, reasons, render_all(scenes, as_they_are), strict=True):
         assert (rendering.pixels.max() == 1.0) == (reason is None)
         assert (reason is None) == (NEAREST < distance < FARTHEST)

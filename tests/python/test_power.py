@@ -31,6 +31,12 @@ from aliascope.studies.power_null import Null, alarms_of, blessed_of, repeated
 from aliascope.studies.power_pool import Pool
 from aliascope.studies.regress_suite import Cell, judged_by
 
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ALIASCOPE_CACHE", str(tmp_path / "cache"))
+
+
 EDGE = 2.37
 """To the right of the middle, at column 10.37 of 16: 0.375 of a pixel is beyond it, and 0.3625 is not, which it becomes
 when the samples are spread by 10 %."""
@@ -66,7 +72,7 @@ def cell(renderer: str = "embree", mode: str = "uniform:n=16,sampler=random", co
     found = renderers.find(renderer)
     spec = renderers.mode_of(found, mode)
     draws = tuple(Draw(seed=seed) for seed in range(count))
-    return Cell(CellName("t", renderer, spec.text), FILE, spec, judged_by(spec), draws)
+    return Cell(CellName("t", renderer, spec.text), FILE, spec, judged_by(renderer, spec), draws)
 
 
 @pytest.fixture(scope="module")
@@ -322,18 +328,19 @@ def test_the_command_measures_writes_and_keeps(tmp_path: Path, monkeypatch: pyte
     document = json.loads((tmp_path / "out" / "power.json").read_text())
     assert document["holds"]
     assert document["null"]["repetitions"] == 30
-    kept = {path: path.stat().st_mtime_ns for path in (tmp_path / "out" / "kept").iterdir()}
+    kept = {path: path.stat().st_ino for path in (tmp_path / "cache" / "power").iterdir()}
     assert len(kept) == 4  # as it is, a pool, two tries
     assert json.loads(run(*words, "--pool", "32", "--tries", "1", "--json").stdout) == document
-    assert kept == {path: path.stat().st_mtime_ns for path in (tmp_path / "out" / "kept").iterdir()}
+    assert kept == {path: path.stat().st_ino for path in (tmp_path / "cache" / "power").iterdir()}  # not written again
 
 
 def test_what_was_rendered_is_kept_whole(tmp_path: Path) -> None:
     kept = Kept(tmp_path / "new")
     assert kept.get("key") is None
     kept.put("key", {"a": 1})
-    assert kept.has("key")
     assert kept.get("key") == {"a": 1}
     assert [path.name for path in (tmp_path / "new").iterdir()] == ["key.pickle"]
+    (tmp_path / "new" / "key.pickle").write_bytes(b"")
+    assert kept.get("key") is None
     one, other = (power_pool.key_of(cell(mode=mode), "pool", 48) for mode in ("uniform:n=4", "uniform:n=16"))
     assert len({one, other, power_pool.key_of(cell(mode="uniform:n=4"), "pool", 64)}) == 3

@@ -522,7 +522,7 @@ def test_those_with_a_bias_are_told(spec: str) -> None:
     ],
 )
 def test_by_what_a_mode_is_judged(mode: str, judged: Judged) -> None:
-    assert regress_suite.judged_by(renderers.mode_of(renderers.find("embree"), mode)) == judged
+    assert regress_suite.judged_by("embree", renderers.mode_of(renderers.find("embree"), mode)) == judged
 
 
 def test_draws_are_always_the_same_and_differ() -> None:

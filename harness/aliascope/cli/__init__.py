@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import sys
 
+from aliascope import logs
+from aliascope.bounded import as_shown
+
 # Each registers its commands.
 from aliascope.cli import (
     about,
+    caching,
     comparing,
     estimating,
     filtering,
@@ -21,12 +25,14 @@ from aliascope.cli import (
     stability,
     sweeping,
     teaching,
+    working,
 )
 from aliascope.cli.shared import app
 from aliascope.errors import AliascopeError, NotWritable
 
 __all__ = [
     "about",
+    "caching",
     "comparing",
     "estimating",
     "filtering",
@@ -42,11 +48,17 @@ __all__ = [
     "stability",
     "sweeping",
     "teaching",
+    "working",
 ]
 
 
-def _plugins_first(words: list[str]) -> list[str]:
-    """The command line with each --plugin F.so before the command, where the option is declared."""
+ALONE = ("-v", "--verbose", "-q", "--quiet")
+"""The options of all commands that have no value."""
+
+
+def _common_first(words: list[str]) -> list[str]:
+    """The command line with the options of all commands, --plugin F.so, -v and -q, before the command, where they are
+    declared."""
     first: list[str] = []
     rest: list[str] = []
     while words:
@@ -56,20 +68,29 @@ def _plugins_first(words: list[str]) -> list[str]:
         if word == "--plugin" and words:
             first += [word, words.pop(0)]
         else:
-            (first if word.startswith("--plugin=") else rest).append(word)
+            (first if word in ALONE or word.startswith("--plugin=") else rest).append(word)
     return [*first, *rest]
 
 
 def main() -> None:
     """Runs a command; ends with the exit code of the error's class, 2 for a command line that can't be read."""
+    code, why = 1, ""
     try:
-        app(_plugins_first(sys.argv[1:]))
+        app(_common_first(sys.argv[1:]))
+    except SystemExit as ended:
+        code = ended.code if isinstance(ended.code, int) else 0 if ended.code is None else 1
     except AliascopeError as problem:
-        sys.exit(_complain(str(problem), problem.exit_code))
+        code, why = _complain(str(problem), problem.exit_code), str(problem)
     except OSError as problem:
-        sys.exit(_complain(str(problem), NotWritable.exit_code))
+        code, why = _complain(str(problem), NotWritable.exit_code), str(problem)
+    except BaseException as problem:
+        why = f"{type(problem).__name__}: {problem}"
+        raise
+    finally:
+        logs.end(code, why)
+    sys.exit(code)
 
 
 def _complain(message: str, code: int) -> int:
-    print(f"aliascope: {' '.join(message.split())}", file=sys.stderr)
+    print(f"aliascope: {as_shown(' '.join(message.split()))}", file=sys.stderr)
     return code

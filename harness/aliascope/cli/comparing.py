@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from aliascope.cli.shared import Json, Size, app, print_json, say_notes, size_of
+from aliascope import logs
+from aliascope.cli.shared import (
+    ClusterAddress,
+    Json,
+    Size,
+    TlsCa,
+    TlsCert,
+    TlsKey,
+    app,
+    begin_log,
+    command_said,
+    print_json,
+    say_notes,
+    size_of,
+)
 from aliascope.draws import UNMOVED, text_of
 from aliascope.errors import InvalidInput
 from aliascope.native.samplers import ARRANGEMENTS
@@ -38,6 +50,13 @@ def compare(
     size: Size = None,
     time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that one job may take.")] = 120.0,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would be rendered, and end.")] = False,
+    cluster: ClusterAddress = None,
+    tls_ca: TlsCa = None,
+    tls_cert: TlsCert = None,
+    tls_key: TlsKey = None,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Say what would move where, and how much of it, and end.")
+    ] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Go on in a folder that must be there already.")] = False,
     as_json: Json = False,
 ) -> None:
@@ -45,24 +64,29 @@ def compare(
 
     Each picture is a timed run of its own, one at a time. Pictures that the folder already has are not rendered again.
     """
+    from aliascope.cluster.address import Tls
     from aliascope.studies import selection
 
     if resume and not (out / "results.sqlite").is_file():
         raise InvalidInput(f"{out}: has no results to resume; leave --resume out to begin")
     say_notes(scenes or [])
     plan = selection.plan_of(scenes or [], renderer or [], mode or [], profile, size_of(size), dimensions or [])
+    elsewhere = _cluster(cluster, Tls(tls_ca, tls_cert, tls_key), plan) if cluster is not None else None
+    if explain:
+        _explain(plan, out, time_limit, elsewhere, as_json)
+        return
     if dry_run:
         _dry_run(plan, as_json)
         return
+    from aliascope.folder_lock import locked
     from aliascope.pipeline import Options
     from aliascope.studies import compare as study
     from aliascope.studies.progress import progress_bar
 
-    command = shlex.join(["aliascope", *sys.argv[1:]])
-    with progress_bar() as progress:
-        result = study.compare(
-            plan, out, Options(processes, time_limit), command, progress, lambda text: typer.echo(text, err=True)
-        )
+    begin_log(out)
+    with locked(out), progress_bar() as progress:
+        options = Options(processes, time_limit)
+        result = study.compare(plan, out, options, command_said(), progress, logs.warn, cluster=elsewhere)
     summary = study.summary(result, plan)
     if as_json:
         print_json(summary)
@@ -122,6 +146,32 @@ def agree(
             typer.echo(str(page))
     if not answer.holds:
         raise typer.Exit(1)
+
+
+def _tell(text: str) -> None:
+    typer.echo(text, err=True)
+
+
+def _cluster(address: str, tls: Any, plan: Any) -> Any:
+    from aliascope.cluster.client import Cluster
+
+    return Cluster(address, tls, plan, _tell)
+
+
+def _explain(plan: Any, folder: Path, time_limit: float, elsewhere: Any, as_json: bool) -> None:
+    from aliascope.pipeline import Options
+    from aliascope.studies import explain
+
+    unable: dict[str, str] = {}
+    if elsewhere is not None:
+        with elsewhere as there:
+            unable = there.without_worker()
+    told = explain.document(plan, folder, Options(time_limit=time_limit), unable)
+    if as_json:
+        print_json(told)
+    else:
+        for line in explain.lines(told):
+            typer.echo(line)
 
 
 def _dry_run(plan: Any, as_json: bool) -> None:

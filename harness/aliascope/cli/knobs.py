@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from aliascope.cli.shared import Json, Size, app, print_json, size_of
+from aliascope import logs
+from aliascope.cli.shared import Json, Size, app, begin_log, command_said, print_json, size_of
 
 
 @app.command(epilog="Example: aliascope knobs edge spheres -r embree -o knobs")
@@ -32,6 +31,7 @@ def knobs(
     tracer, passes and multisampling of OSMesa; and measures of point sets, exact against bounded. Pictures that the
     folder already has are not rendered again.
     """
+    from aliascope.folder_lock import locked
     from aliascope.pipeline import Options
     from aliascope.studies import knob_text
     from aliascope.studies import knobs as study
@@ -39,13 +39,12 @@ def knobs(
     from aliascope.text_files import write_text
 
     plan = study.plan_of(scenes or [], renderer or [], size_of(size))
-    command = shlex.join(["aliascope", *sys.argv[1:]])
-    with progress_bar() as progress:
-        turned = study.turn(
-            plan, out, Options(1, time_limit), command, progress, lambda text: typer.echo(text, err=True)
-        )
-    write_text(out / "knobs.csv", knob_text.knobs_csv(turned.knobs))
-    write_text(out / "knobs.md", "\n".join(knob_text.markdown(turned.knobs)) + "\n")
+    begin_log(out)
+    with locked(out):
+        with progress_bar() as progress:
+            turned = study.turn(plan, out, Options(1, time_limit), command_said(), progress, logs.warn)
+        write_text(out / "knobs.csv", knob_text.knobs_csv(turned.knobs))
+        write_text(out / "knobs.md", "\n".join(knob_text.markdown(turned.knobs)) + "\n")
     if as_json:
         print_json(knob_text.document(turned))
     else:

@@ -148,7 +148,7 @@ def reference(
             f"{' and '.join(draws.text_of(draws.shift_of(draw)) for draw in range(1, draws.MOST))}.",
         ),
     ] = False,
-    out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Instead of reference/.")] = None,
+    out: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Instead of the project's own.")] = None,
     as_json: Json = False,
 ) -> None:
     """Make the references of scenes, or check those that are there: exact if possible, else converged."""
@@ -160,7 +160,7 @@ def reference(
     if all_draws and shift is not None:
         raise InvalidInput("--draws has its own shifts: give it or --shift, not both")
     shifts = [draws.shift_of(draw) for draw in range(draws.MOST)] if all_draws else [shift_of(shift)]
-    folder = out or places.REFERENCES
+    folder = out or places.REFERENCES if verify else places.kept_in(out, "-o")
     work = single.verify_reference if verify else single.make_reference
     with progress_bar() as tell:
         results = [

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from aliascope.cli.shared import Json, app, print_json, say_notes
+from aliascope.cli.shared import Json, app, begin_log, print_json, say_notes
 
 
 @app.command(hidden=True, epilog="Example: aliascope power edge --plugin .build/plugins/repeats.so -o power")
@@ -34,6 +34,7 @@ def power(
     Ends with exit code 1 where alarms are more than 4 in 1,000, or a defect is missed. The sampler whose dimension 1
     repeats dimension 0 is a plugin: --plugin repeats.so.
     """
+    from aliascope.folder_lock import locked
     from aliascope.studies import power as study
     from aliascope.studies import power_text
     from aliascope.studies.progress import progress_bar
@@ -42,9 +43,11 @@ def power(
     asked = study.Asked(
         tuple(scenes or ()), tuple(renderer or ()), repetitions, pool, tries, processes, folder=out, shim=shim
     )
-    with progress_bar() as tell:
-        answer = study.answer(asked, tell)
-    written = power_text.write(out, answer)
+    begin_log(out)
+    with locked(out):
+        with progress_bar() as tell:
+            answer = study.answer(asked, tell)
+        written = power_text.write(out, answer)
     if as_json:
         print_json(power_text.document(answer))
     else:

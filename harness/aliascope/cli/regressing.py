@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from aliascope.cli.shared import Json, app, print_json, say_notes
+from aliascope import logs
+from aliascope.cli.shared import Json, app, begin_log, command_said, print_json, say_notes
 from aliascope.errors import Interrupted, InvalidInput
 
 if TYPE_CHECKING:
@@ -34,14 +33,13 @@ def regress(
         list[str] | None, typer.Option(metavar="R", help="A renderer that must be there; may stand several times.")
     ] = None,
     references: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="References and blessed figures, instead of reference/.")
+        Path | None, typer.Option(metavar="DIR", help="References and blessed figures, instead of the project's own.")
     ] = None,
     out: Annotated[
         Path, typer.Option("-o", metavar="DIR", help="report.html, results.json, summary.md, history.sqlite there.")
     ] = Path("aliascope-regress"),
     junit: Annotated[Path | None, typer.Option(metavar="F.xml", help="For CI systems: JUnit's XML.")] = None,
     markdown: Annotated[Path | None, typer.Option(metavar="F.md", help="For reviews: the summary, here too.")] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Failures, controls and the summary alone.")] = False,
     processes: Annotated[int, typer.Option("-j", min=1, max=64, help="Cells side by side.")] = 2,
     time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that the pictures of one cell may take.")] = 120.0,
     as_json: Json = False,
@@ -61,10 +59,10 @@ def regress(
         renderers=tuple(renderer or ()),
         modes=tuple(mode or ()),
         required=tuple(require or ()),
-        references=references or places.REFERENCES,
+        references=places.kept_in(references, "--references") if bless is not None else references or places.REFERENCES,
         processes=processes,
         time_limit=time_limit,
-        command=shlex.join(["aliascope", *sys.argv[1:]]),
+        command=command_said(),
         options=_options(time_limit),
     )
     if bless is not None and (junit or markdown):
@@ -75,7 +73,7 @@ def regress(
         if bless is not None:
             _bless(asked, bless, reason or "", as_json)
         else:
-            _run(asked, out, (junit, markdown), quiet, as_json)
+            _run(asked, out, (junit, markdown), as_json)
     except KeyboardInterrupt as error:  # which would end with 1, as if a check had failed
         raise Interrupted("interrupted: nothing was tested to the end") from error
 
@@ -91,23 +89,26 @@ def _options(time_limit: float) -> tuple[str, ...]:
     return tuple(words)
 
 
-def _run(asked: Asked, out: Path, files: tuple[Path | None, Path | None], quiet: bool, as_json: bool) -> None:
+def _run(asked: Asked, out: Path, files: tuple[Path | None, Path | None], as_json: bool) -> None:
+    from aliascope.folder_lock import locked
     from aliascope.studies import regress as study
     from aliascope.studies import regress_files, regress_text
     from aliascope.studies.progress import progress_bar
 
-    regress_files.check_writable(out)
-    with progress_bar() as tell:
-        seen = study.observe(asked, tell)
-    regress_files.check_drawn(seen)
-    run = study.judged(seen)
-    # Said before it is written: a full disk loses no verdict.
-    if as_json:
-        print_json(regress_files.document(run))
-    else:
-        for line in regress_text.lines(run, quiet):
-            typer.echo(line)
-    page = regress_files.write(out, run, seen, *files)
+    begin_log(out)
+    with locked(out):
+        regress_files.check_writable(out)
+        with progress_bar() as tell:
+            seen = study.observe(asked, tell)
+        regress_files.check_drawn(seen)
+        run = study.judged(seen)
+        # Said before it is written: a full disk loses no verdict.
+        if as_json:
+            print_json(regress_files.document(run))
+        else:
+            for line in regress_text.lines(run, logs.is_quiet()):
+                typer.echo(line)
+        page = regress_files.write(out, run, seen, *files)
     if not as_json:
         typer.echo(str(page))
     if any(cell.failed for cell in run.cells):

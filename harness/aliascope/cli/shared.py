@@ -3,16 +3,31 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
+from aliascope import logs, sharing
 from aliascope.draws import UNMOVED, checked
-from aliascope.errors import InvalidInput
+from aliascope.errors import Interrupted, InvalidInput
+
+
+class _Commands(TyperGroup):
+    """Of which each ends by one line where it is interrupted, and has nothing better to say."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as error:
+            raise Interrupted("interrupted") from error
+
 
 app = typer.Typer(
+    cls=_Commands,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -43,10 +58,23 @@ def _root(
     ] = False,
     plugin: Annotated[
         list[str] | None,
-        typer.Option(metavar="F.so", help="A sampler of yours; before or after the command, any number of times."),
+        typer.Option(metavar="F.so", help="A sampler of yours; may stand several times."),
     ] = None,
+    verbose: Annotated[
+        bool,
+        typer.Option("--verbose", "-v", help="Say on standard error what happens: each job as it ends, commands."),
+    ] = False,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", "-q", help="Nothing on standard error but errors; regress: what failed alone.")
+    ] = False,
 ) -> None:
-    """Measures how well renderers antialias, and what that costs."""
+    """Measures how well renderers antialias, and what that costs.
+
+    These options may stand before or after the command.
+    """
+    if verbose and quiet:
+        raise InvalidInput("--verbose and --quiet: give one of them")
+    logs.tell(verbose, quiet)
     if plugin:
         from aliascope.native.samplers import load_plugin
 
@@ -86,8 +114,29 @@ def say_notes(scenes: Iterable[str]) -> None:
     for path in (Path(scene) for scene in scenes if scene_io.is_path(scene)):
         if path.suffix.lower() != ".toml":
             for note in scene_io.load_file(path).notes:
-                typer.echo(f"{path}: {note}", err=True)
+                logs.warn(f"{path}: {note}")
+
+
+def command_said() -> str:
+    """The command line of this run, as others may read it."""
+    return sharing.command_line(["aliascope", *sys.argv[1:]])
+
+
+def begin_log(folder: Path | None) -> None:
+    """Begins the log of this run in the folder of its results, if it has one."""
+    logs.begin(folder, command_said())
 
 
 def print_json(document: Any) -> None:
     typer.echo(json.dumps(document, allow_nan=False))
+
+
+ClusterAddress = Annotated[
+    str | None,
+    typer.Option(
+        "--cluster", metavar="tcp://HOST:PORT", help="Have the jobs done by the workers of a dask scheduler (worker)."
+    ),
+]
+TlsCa = Annotated[Path | None, typer.Option("--tls-ca", metavar="F.pem", help="Of a cluster at tls://: the authority.")]
+TlsCert = Annotated[Path | None, typer.Option("--tls-cert", metavar="F.pem", help="The own certificate.")]
+TlsKey = Annotated[Path | None, typer.Option("--tls-key", metavar="F.pem", help="Its key.")]

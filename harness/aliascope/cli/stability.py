@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import os
-import shlex
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from aliascope.cli.shared import Json, app, print_json
+from aliascope.cli.shared import Json, app, begin_log, command_said, print_json
 from aliascope.errors import Interrupted
 
 if TYPE_CHECKING:
@@ -59,7 +57,7 @@ def stability(
         quick,
         processes or len(os.sched_getaffinity(0)),
         time_limit,
-        shlex.join(["aliascope", *sys.argv[1:]]),
+        command_said(),
     )
     try:
         _run(asked, out, as_json)
@@ -70,19 +68,22 @@ def stability(
 def _run(asked: Asked, out: Path, as_json: bool) -> None:
     from rich.console import Console
 
+    from aliascope.folder_lock import locked
     from aliascope.studies import stability as study
     from aliascope.studies import stability_files, stability_text
     from aliascope.studies.progress import progress_bar
 
-    stability_files.check_writable(out)
-    with progress_bar() as tell:
-        found = study.run(asked, tell)
-    # Said before it is written: a full disk loses no finding.
-    if as_json:
-        print_json(stability_files.document(found))
-    else:
-        stability_text.show(found, Console(width=stability_text.WIDTH, highlight=False))
-    page = stability_files.write(out, found)
+    begin_log(out)
+    with locked(out):
+        stability_files.check_writable(out)
+        with progress_bar() as tell:
+            found = study.run(asked, tell)
+        # Said before it is written: a full disk loses no finding.
+        if as_json:
+            print_json(stability_files.document(found))
+        else:
+            stability_text.show(found, Console(width=stability_text.WIDTH, highlight=False))
+        page = stability_files.write(out, found)
     if not as_json:
         typer.echo(str(page))
     if found.exit_code:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
-import sys
 import time
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from aliascope.cli.shared import Json, app, print_json, size_of
+from aliascope.cli.shared import Json, app, begin_log, command_said, print_json, size_of
 from aliascope.errors import Interrupted, InvalidInput
 
 _UNITS = {"s": 1.0, "m": 60.0, "h": 3600.0}
@@ -60,15 +58,19 @@ def sweep(
     begun = time.monotonic() - _LOADING_SECONDS
     from datetime import UTC, datetime
 
+    from aliascope.folder_lock import locked
     from aliascope.studies import sweep as study
     from aliascope.studies import sweep_text  # with what a report takes, which is not loaded when time is short
     from aliascope.studies.progress import progress_bar
 
     asked = study.Asked(scene, seconds_of(budget), size_of(size), threads, out, exhaustive, begun)
     started = datetime.now(UTC)
-    with progress_bar() as tell:
-        swept = study.sweep(asked, tell)
-    report = sweep_text.write(swept, started, shlex.join(["aliascope", *sys.argv[1:]]))
+    study.check_file(scene)
+    begin_log(out)
+    with locked(out):
+        with progress_bar() as tell:
+            swept = study.sweep(asked, tell)
+        report = sweep_text.write(swept, started, command_said())
     if as_json:
         print_json(sweep_text.document(swept, report))
     else:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from aliascope import logs
 from aliascope.cli.shared import Json, Seed, Size, app, print_json, size_of
 
 
@@ -51,7 +52,7 @@ def mitchell(
     answer = study.answer(asked)
     if out is not None:
         first, *others = answer.write(out)
-        typer.echo(f"wrote {first}, and {len(others)} file{'s' * (len(others) != 1)} beside it", err=True)
+        logs.warn(f"wrote {first}, and {len(others)} file{'s' * (len(others) != 1)} beside it")
     if as_json:
         print_json(answer.document())
     else:
@@ -87,7 +88,7 @@ def space_time(
     found = study.answer(study.Asked(tuple(n or COUNTS), scene, size_of(size), options))
     if out is not None:
         first, *others = study.write(found, out)
-        typer.echo(f"wrote {first}, and {len(others)} files beside it", err=True)
+        logs.warn(f"wrote {first}, and {len(others)} files beside it")
     if as_json:
         print_json(study.document(found))
     else:

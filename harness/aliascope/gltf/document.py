@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+import contextlib
 import json
 import struct
 from pathlib import Path
@@ -17,6 +18,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic.alias_generators import to_camel
 
 from aliascope import meshes
+from aliascope.bounded import read_bytes, shortened
 from aliascope.errors import InvalidInput
 
 ENDINGS = (".glb", ".gltf")
@@ -27,6 +29,9 @@ MOST_ELEMENTS = 3 * meshes.MOST_TRIANGLES
 """Of an accessor: the corners of as many triangles as a mesh may have."""
 
 MOST_NODES = 1_000_000
+
+MOST_VALUES = 20_000_000
+"""Of the JSON: numbers, words, lists and tables."""
 
 READ_EXTENSIONS = ("KHR_lights_punctual", "KHR_mesh_quantization", "KHR_materials_", "KHR_texture_", "EXT_texture_")
 """What a file may require: the first two are read, and without the others its shapes are the same."""
@@ -189,10 +194,10 @@ class Document:
             text, self._binary = self._chunks(data)
         self.root = self.checked(Root, self._json(text), "")
         if not self.root.asset.version.startswith("2.") or (self.root.asset.min_version or "2.0") != "2.0":
-            raise self.problem(f"is glTF {self.root.asset.version}; 2.0 is read")
+            raise self.problem(f"is glTF {shortened(self.root.asset.version)}; 2.0 is read")
         for name in self.root.extensions_required:
             if not name.startswith(READ_EXTENSIONS):
-                raise self.problem(f"requires {name}, which is not read here; export it without")
+                raise self.problem(f"requires {shortened(name)}, which is not read here; export it without")
         self._buffers: dict[int, bytes] = {}
 
     def problem(self, text: str) -> InvalidInput:
@@ -205,7 +210,8 @@ class Document:
         except ValidationError as error:
             detail = error.errors(include_url=False)[0]
             place = ".".join(str(part) for part in (where, *detail["loc"]) if part != "")
-            raise self.problem(f"{place or 'the file'}: {detail['msg']}") from error
+            told = shortened(place) or "the file"
+            raise self.problem(f"{told}: {detail['msg']}") from error
 
     def item(self, items: tuple[Item, ...], index: int, what: str) -> Item:
         """One of a list of the file by its number there."""
@@ -242,14 +248,15 @@ class Document:
 
     def _file(self, path: Path) -> bytes:
         """All files together have at most as many bytes as a mesh may have."""
-        try:
-            self._read += path.stat().st_size
-            if self._read > meshes.LARGEST_FILE:
-                raise self.problem(f"a glTF scene has at most {meshes.LARGEST_FILE >> 20} MiB")
-            return path.read_bytes()
-        except OSError as error:
-            beside = "" if path == self.path else f'"{path.name}": '
-            raise self.problem(f"{beside}cannot be read: {error.strerror}") from error
+        beside = "" if path == self.path else f': "{path.name}"'
+        size = 0
+        with contextlib.suppress(OSError):  # of a name that no file can have; what is wrong the reading says
+            size = path.stat().st_size if path.is_file() else 0
+        if self._read + size > meshes.LARGEST_FILE:
+            raise self.problem(f"a glTF scene has at most {meshes.LARGEST_FILE >> 20} MiB")
+        data = read_bytes(path, meshes.LARGEST_FILE - self._read, "glTF", f"{self.path}{beside}")
+        self._read += len(data)
+        return data
 
     def _chunks(self, data: bytes) -> tuple[bytes, bytes | None]:
         """The JSON and the binary chunk of a GLB container."""
@@ -272,6 +279,8 @@ class Document:
         def refused(word: str) -> Any:
             raise ValueError(f"{word} is no JSON")
 
+        if text.count(b",") + text.count(b"[") + text.count(b"{") > MOST_VALUES:
+            raise self.problem(f"has more than {MOST_VALUES} values in its JSON, which are the most that are taken")
         try:
             return json.loads(text.decode("utf-8-sig"), parse_constant=refused)
         except (ValueError, RecursionError) as error:
@@ -299,7 +308,7 @@ class Document:
     def _beside(self, index: int, name: str) -> bytes:
         """The file of a buffer, in the scene's folder or below."""
         if ":" in name.partition("/")[0] or "\0" in name:
-            raise self.problem(f'buffer {index} is at "{name}", which is no file beside it')
+            raise self.problem(f'buffer {index} is at "{shortened(name)}", which is no file beside it')
         try:
             path = meshes.within(self.path.parent, name)
         except InvalidInput as error:

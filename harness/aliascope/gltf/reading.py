@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from aliascope import meshes, model
+from aliascope.bounded import as_shown, shortened
 from aliascope.geometry import Array
 from aliascope.gltf import document
 from aliascope.gltf.document import Document, Node, Primitive
@@ -43,6 +44,12 @@ FITTED_FORWARD = (-0.4417, -0.3371, -0.8313)
 
 LIGHT_BESIDE = (0.2819, -0.4733, 1.0)
 """The light that is added travels so far to the camera's right, up and forward."""
+
+MOST_PRIMITIVES = 200_000
+"""That the nodes draw: a mesh counts for each node that has it."""
+
+MOST_POSITIONS = 100 * document.MOST_ELEMENTS
+"""And normals, counted so too."""
 
 TRIANGLES, STRIP = 4, 5
 DRAWN = (TRIANGLES, STRIP, 6)
@@ -97,8 +104,8 @@ def read(path: Path) -> Read:
             notes["it has no light that is drawn here: a directional one from behind the camera was added"] = None
         shows = "; ".join(["Read from a glTF file", *notes]) + "."
         scene = model.Scene(
-            title=own.title if own else found.name or path.stem,
-            shows=own.shows if own else shows,
+            title=as_shown(shortened(own.title if own else found.name or path.stem, model.LONGEST_TITLE)),
+            shows=as_shown(shortened(own.shows if own else shows, model.LONGEST_TEXT)),
             view=view,
             camera=camera,
             materials=materials,
@@ -112,7 +119,10 @@ def read(path: Path) -> Read:
 
 def _own(opened: Document, found: document.Scene) -> Own | None:
     extras = found.extras.get("aliascope") if isinstance(found.extras, dict) else None
-    return None if extras is None else opened.checked(Own, _tuples(extras), "scene.extras.aliascope")
+    try:
+        return None if extras is None else opened.checked(Own, _tuples(extras), "scene.extras.aliascope")
+    except RecursionError as error:
+        raise opened.problem("scene.extras.aliascope: its lists lie in each other hundreds deep") from error
 
 
 def _tuples(value: Any) -> Any:
@@ -147,6 +157,8 @@ def _placed(opened: Document, roots: tuple[int, ...], notes: dict[str, None]) ->
         if node.mesh is not None:
             mesh = opened.item(opened.root.meshes, node.mesh, "mesh")
             placed.primitives += [(primitive, matrix) for primitive in mesh.primitives]
+            if len(placed.primitives) > MOST_PRIMITIVES:
+                raise opened.problem(f"draws more than {MOST_PRIMITIVES} parts of meshes, which are the most")
             if node.skin is not None:
                 notes["its skins are not applied: meshes have the shape in which they are stored"] = None
             if any(primitive.targets for primitive in mesh.primitives):
@@ -188,8 +200,7 @@ def _surfaces(
     """The meshes in world coordinates, and the materials that they have, by name."""
     surfaces: list[model.LoadedMesh] = []
     materials: dict[str, model.Material] = {}
-    if sum(_count(opened, primitive) for primitive, _ in placed.primitives) > meshes.MOST_TRIANGLES:
-        raise opened.problem(f"has more than {meshes.MOST_TRIANGLES} triangles, which are the most that are taken")
+    _check_counts(opened, placed)
     for primitive, matrix in placed.primitives:
         if primitive.mode not in DRAWN:
             notes["its points and lines are not drawn"] = None
@@ -203,6 +214,28 @@ def _surfaces(
     if not surfaces:
         raise opened.problem("has no triangles")
     return surfaces, materials
+
+
+def _check_counts(opened: Document, placed: _Placed) -> None:
+    """Raises InvalidInput for more than is taken, before any of it is made."""
+    triangles = positions = 0
+    for primitive, _ in placed.primitives:
+        triangles += _count(opened, primitive)
+        numbers = [primitive.attributes.get(name) for name in ("POSITION", "NORMAL")]
+        positions += sum(opened.item(opened.root.accessors, n, "accessor").count for n in numbers if n is not None)
+    if triangles > meshes.MOST_TRIANGLES:
+        raise opened.problem(f"has more than {meshes.MOST_TRIANGLES} triangles, which are the most that are taken")
+    if positions > MOST_POSITIONS:
+        raise opened.problem(
+            f"has more than {MOST_POSITIONS} positions and normals, counted for each time they are used"
+        )
+
+
+def check(path: Path) -> None:
+    """Raises InvalidInput for a file that `read` would not take for the number of things in it, or its nodes."""
+    opened = Document(path)
+    with np.errstate(over="ignore", invalid="ignore"):
+        _check_counts(opened, _placed(opened, _roots(opened)[0], {}))
 
 
 def _count(opened: Document, primitive: Primitive) -> int:
@@ -266,8 +299,9 @@ def _material(opened: Document, primitive: Primitive, notes: dict[str, None]) ->
     if primitive.material is None:
         return "default", model.Material(albedo=(1.0, 1.0, 1.0))
     found = opened.item(opened.root.materials, primitive.material, "material")
-    name = f"{primitive.material} {found.name}".strip()
-    told = f'material "{found.name or primitive.material}"'
+    called = as_shown(shortened(found.name))
+    name = f"{primitive.material} {called}".strip()
+    told = f'material "{called or primitive.material}"'
     surface = found.pbr_metallic_roughness
     textures = (surface.base_color_texture, surface.metallic_roughness_texture, found.normal_texture)
     if any(texture is not None for texture in (*textures, found.emissive_texture, found.occlusion_texture)):
@@ -282,9 +316,9 @@ def _material(opened: Document, primitive: Primitive, notes: dict[str, None]) ->
         elif key == "KHR_materials_specular" and isinstance(value, dict) and value.get("specularFactor") == 0:
             pass  # matt, as all is
         elif key != "KHR_materials_unlit":
-            notes[f"{key} of {told} is not drawn"] = None
+            notes[f"{as_shown(shortened(key))} of {told} is not drawn"] = None
     if not isinstance(strength, int | float) or not 0.0 <= strength <= model.LARGEST_COORDINATE:
-        raise opened.problem(f"{told}: emissiveStrength {strength!r} is not a number from 0")
+        raise opened.problem(f"{told}: emissiveStrength {shortened(ascii(strength))} is not a number from 0")
     if "KHR_materials_unlit" in found.extensions:
         return name, model.Material(emission=colour)
     if surface.metallic_factor > 0.0:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from aliascope.errors import InvalidInput, Unsupported, whole
+from aliascope.errors import AliascopeError, InvalidInput, NotFinite, Unsupported, whole
 from aliascope.native import loading
 from aliascope.native.loading import check, error_box, keys, module, text
 from aliascope.native.samplers import Dimensions, Sampler
@@ -34,7 +34,10 @@ def _library() -> Any:
 def _one(call: str, *arguments: float) -> float:
     library = _library()
     made = library.ffi.new("double *")
-    check(library, getattr(library.lib, f"asc_{call}")(*arguments, made))
+    try:
+        check(library, getattr(library.lib, f"asc_{call}")(*arguments, made))
+    except AliascopeError as error:
+        raise type(error)(f"{call}({', '.join(map(str, arguments))}): {error}") from error
     return float(made[0])
 
 
@@ -66,11 +69,19 @@ class Moments:
         self.add(values)
 
     def add(self, values: ArrayLike) -> None:
-        """Adds values of any shape, in order. Raises JobFailed, and adds none, where one is not finite."""
+        """Adds values of any shape, in order. Raises NotFinite, and adds none, where one is not finite, or too large
+        to square."""
         library = self._library
         given = np.ascontiguousarray(values, np.float64).ravel()
         buffer = library.ffi.from_buffer("double[]", given)
-        check(library, library.lib.asc_moments_add(self.handle, buffer, len(given)))
+        status = library.lib.asc_moments_add(self.handle, buffer, len(given))
+        if status == library.lib.ASC_NUMERIC:
+            broken = ~np.isfinite(given)
+            number = int(np.argmax(broken if broken.any() else np.abs(given)))
+            raise NotFinite(
+                f"value {number} of {len(given)} is not a finite number, or too large to square: {given[number]:g}"
+            )
+        check(library, status)
 
     def merge(self, other: Moments) -> None:
         """Adds the values of another."""

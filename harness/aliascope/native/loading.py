@@ -6,6 +6,7 @@ import functools
 import importlib
 from typing import Any
 
+from aliascope import places
 from aliascope.errors import AliascopeError, InvalidInput, JobFailed, NotAvailable, NotFinite, SpecError, Unsupported
 
 _EXCEPTIONS: dict[str, type[AliascopeError]] = {
@@ -26,7 +27,8 @@ def module(name: str, needs: str) -> Any:
     try:
         return importlib.import_module(f"aliascope.native.{name}")
     except ImportError as error:
-        raise NotAvailable(f"{needs} cannot be loaded ({error}); install it and run make") from error
+        remedy = "install it" if places.INSTALLED else "install it and run make"
+        raise NotAvailable(f"{needs} cannot be loaded ({error}); {remedy}") from error
 
 
 def error_box(ffi: Any) -> Any:

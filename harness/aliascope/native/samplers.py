@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aliascope.errors import JobFailed, SpecError, Unsupported, near_misses, whole
+from aliascope.errors import JobFailed, NotFinite, SpecError, Unsupported, near_misses, whole
 from aliascope.native import loading
 from aliascope.native.loading import check, error_box, keys, module, text
 
@@ -90,12 +90,16 @@ class Sampler:
         return made
 
     def weights(self, count: int, first: int = 0) -> NDArray[np.float64]:
-        """(count,) float64: those of a quadrature rule, else 1/N."""
+        """(count,) float64: those of a quadrature rule, else 1/N. Raises NotFinite where a plugin's are not."""
         library = self._library
         whole(first, "an index", 0, 2**64 - 1)
         made = np.empty(whole(count, "a number of points", 0, 2**53))
         buffer = library.ffi.from_buffer("double[]", made)
-        check(library, library.lib.asc_sampler_weights(self.handle, first, count, buffer))
+        status = library.lib.asc_sampler_weights(self.handle, first, count, buffer)
+        if status == library.lib.ASC_NUMERIC:
+            sample = int(np.argmin(np.isfinite(made)))
+            raise NotFinite(f"the sampler {self.spec} gives sample {first + sample} the weight {made[sample]:g}")
+        check(library, status)
         return made
 
     @property

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import bisect
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -37,8 +38,14 @@ def _mapped(call: Callable[[Any, int, Any], int], rows: NDArray[np.float64], col
     made = np.empty((len(rows), columns))
     if len(rows):
         library = _library()
-        buffer = library.ffi.from_buffer
-        check(library, call(buffer("double[]", rows), len(rows), buffer("double[]", made)))
+        given, out = (library.ffi.from_buffer("double[]", table) for table in (rows, made))
+        status = call(given, len(rows), out)
+        if status == library.lib.ASC_INVALID_ARGUMENT:
+            # The first row outside: the one that ends the shortest table that is refused.
+            row = bisect.bisect_left(range(len(rows)), True, key=lambda last: call(given, last + 1, out) != 0)
+            where = ", ".join(map(str, rows[row].tolist()))
+            raise InvalidInput(f"row {row} of what a warp is given is outside of its domain: {where}")
+        check(library, status)
     return made
 
 

@@ -9,6 +9,7 @@ an error that says what to do.
 from __future__ import annotations
 
 import hashlib
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -70,11 +71,16 @@ def path_of(folder: Path, name: str, size: tuple[int, int], filter_: str, shift:
     return folder / name / f"{size[0]}x{size[1]}-{filter_}{moved}.exr"
 
 
+def files_of(path: Path) -> list[Path]:
+    """The file of a reference and that of its standard error, if it has one."""
+    return [path, *(each for each in (_spread_path(path),) if each.is_file())]
+
+
 def command_for(
     name: str, scene: Scene, size: tuple[int, int], filter_: str, samples: str = "", shift: Shift = UNMOVED
 ) -> str:
     """The command that makes a reference, `samples` in it where they are not the usual ones."""
-    command = f"aliascope reference {name}"
+    command = f"aliascope reference {shlex.quote(name)}"
     if size != scene.view.size:
         command += f" --size {size[0]}x{size[1]}"
     if filter_ != "box":
@@ -265,7 +271,10 @@ def _read_spread(path: Path, header: Mapping[str, str], pixels: Pixels, advice: 
     beside = _spread_path(path)
     if not beside.is_file():
         raise CheckFailed(f"{beside}: the standard error of the reference is missing; {advice}")
-    spread = read_image(beside)
+    try:
+        spread = read_image(beside)
+    except InvalidInput as error:
+        raise CheckFailed(f"{error}; {advice}") from error
     if spread.shape != pixels.shape or header["standard_error"] != _digest(spread):
         raise CheckFailed(f"{beside}: the standard error was changed since it was made; {advice}")
     return spread.astype(np.float64)

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from aliascope.draws import UNMOVED, checked
 from aliascope.errors import InvalidInput, whole
-from aliascope.model import LARGEST_SIDE, Scene
+from aliascope.model import LARGEST_SIDE, Scene, by_scene
 from aliascope.native import samplers
 from aliascope.placement import placed
 from aliascope.records import Rendering
@@ -46,7 +46,10 @@ AS_THEY_ARE = {RECENTRE.name: "0", "relative": "off"}
 
 def as_drawn(scene: Scene, mode: Spec) -> Scene:
     """The scene in the place and at the size in which a mode with the key `recentre` draws it."""
-    return placed(scene) if mode.integer(RECENTRE.name) else scene
+    return _placed(scene) if mode.integer(RECENTRE.name) else scene
+
+
+_placed = by_scene(placed)
 
 
 @dataclass(frozen=True)
@@ -136,9 +139,12 @@ def lacks(renderer: Renderer, scene: Scene, mode: Spec) -> str | None:
     return unable(renderer, scene, mode) or limits.beyond(renderer.name, scene, as_they_are)
 
 
+_features = by_scene(Scene.features)
+
+
 def unable(renderer: Renderer, scene: Scene, mode: Spec) -> str | None:
     """Why the renderer would not draw the scene at all: what it draws past its measured limits, it draws wrong."""
-    missing = sorted(scene.features() - renderer.draws)
+    missing = sorted(_features(scene) - renderer.draws)
     if missing:
         why = [f" ({renderer.absent[name]})" if name in renderer.absent else "" for name in missing]
         return f"{renderer.title} here does not draw: {', '.join(map(str.__add__, missing, why))}"

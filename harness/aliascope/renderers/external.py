@@ -9,7 +9,6 @@ import os
 import re
 import shutil
 import sys
-import tempfile
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,13 +16,14 @@ from pathlib import Path
 import numpy as np
 
 from aliascope import image
-from aliascope.errors import InvalidInput, JobFailed, NotAvailable, NotWritable, Unsupported
+from aliascope.errors import InvalidInput, JobFailed, NotAvailable, Unsupported
 from aliascope.model import Scene
 from aliascope.records import Cost, Pixels, Rendering
 from aliascope.renderers import process
 from aliascope.renderers.base import Request, lacks
 from aliascope.renderers.external_file import PLACEHOLDER, File, placeholders, read
 from aliascope.renderers.external_scenes import FORMATS
+from aliascope.scratch import scratch_folder
 from aliascope.specs import Form, Spec
 
 VERSION_TIME_LIMIT = 60.0
@@ -92,12 +92,7 @@ class External:
         if request.shift != Request.shift and not self.shifts:
             raise Unsupported(f"{self.title}: the film cannot be moved: there is no {{shift.x}} in its command")
         begun = time.monotonic()
-        try:
-            scratch = tempfile.TemporaryDirectory(prefix=f"aliascope-{self.name}-")
-        except OSError as error:
-            raise NotWritable(f"no scratch folder for {self.title}: {error.strerror}") from error
-        with scratch as name:
-            folder = Path(name)
+        with scratch_folder(self.name, self.title) as folder:
             out = folder / f"out.{self._file.contents.output.format}"
             words = self._words(request, folder, out)
             try:

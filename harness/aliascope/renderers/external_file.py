@@ -183,7 +183,7 @@ def _regular(pattern: str, groups: Sequence[str]) -> str | None:
     """What is wrong with a regular expression that has one of these groups, or any one where there are none."""
     try:
         found = re.compile(pattern)
-    except re.error as error:
+    except (re.error, OverflowError, RecursionError) as error:
         return f"is no regular expression: {error}"
     if groups and len(set(groups) & set(found.groupindex)) != 1:
         return "has one group of these: " + ", ".join(f"(?P<{group}>...)" for group in groups)

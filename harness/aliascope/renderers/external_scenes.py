@@ -76,13 +76,14 @@ def _obj_lines(mesh: LoadedMesh) -> Iterable[str]:
 def _toml(value: Any) -> str:
     """A value of JSON in one line of TOML, tables as inline tables."""
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{json.dumps(key)} = {_toml(each)}" for key, each in value.items()) + " }"
+        return "{ " + ", ".join(f"{_toml(key)} = {_toml(each)}" for key, each in value.items()) + " }"
     if isinstance(value, list):
         return "[" + ", ".join(map(_toml, value)) + "]"
     if isinstance(value, float):
         assert math.isfinite(value)  # the model holds this
         return repr(value)
-    return json.dumps(value, ensure_ascii=True)
+    # As they are: of characters past 16 bits JSON's escapes are two, which TOML does not have.
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _write(path: Path, text: str) -> None:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aliascope.geometry import Array, Frame, across, frame_of, plane_axes
-from aliascope.model import AnySurface, Disc, LoadedMesh, Plane, Polygon, Scene, Sphere
+from aliascope.model import AnySurface, Disc, LoadedMesh, Plane, Polygon, Scene, Sphere, by_scene
 from aliascope.placement import size_of
 
 EDGE_ON = 2.0**-50
@@ -52,10 +52,15 @@ def beyond(renderer: str, scene: Scene, as_they_are: bool) -> str | None:
     """Why a picture of the scene would not be right, or None."""
     for limit in LIMITS:
         if limit.renderer == renderer and (as_they_are or not limit.as_they_are):
-            has = limit.of(scene)
+            has = _has(scene, limit)
             if has > limit.most:
                 return limit.reason.format(has=f"{has:.2g}", most=f"{limit.most:.2g}")
     return None
+
+
+@by_scene
+def _has(scene: Scene, limit: Limit) -> float:
+    return limit.of(scene)
 
 
 def _far_for_its_size(scene: Scene) -> float:

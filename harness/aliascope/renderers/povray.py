@@ -11,7 +11,6 @@ names the options; what they do was measured.
 from __future__ import annotations
 
 import math
-import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -22,12 +21,13 @@ import numpy as np
 from aliascope.errors import InvalidInput, JobFailed, NotWritable, Unsupported
 from aliascope.geometry import Array
 from aliascope.image import read_image
-from aliascope.model import LARGEST_AREA, Scene
+from aliascope.model import LARGEST_AREA, Scene, by_scene
 from aliascope.motion import no_still
 from aliascope.records import Cost, Pixels, Rendering
 from aliascope.renderers.base import RECENTRE, Request, as_drawn, unable
 from aliascope.renderers.povray_frames import Frames, frames_of, looked_at, moments, moved
-from aliascope.renderers.povray_light import lighting_of, pattern_colours
+from aliascope.renderers.povray_glare import LARGEST_HALF, too_bright
+from aliascope.renderers.povray_light import Lighting, lighting_of
 from aliascope.renderers.povray_limits import out_of_reach
 from aliascope.renderers.povray_modes import (
     FORMS,
@@ -42,6 +42,7 @@ from aliascope.renderers.povray_modes import (
 )
 from aliascope.renderers.povray_process import Statistics, executable, read_statistics, run, version
 from aliascope.renderers.povray_sdl import moving_texts, scene_text
+from aliascope.scratch import scratch_folder
 from aliascope.specs import Form, Spec
 
 MOST_FRAMES = 500
@@ -49,11 +50,6 @@ MOST_FRAMES = 500
 
 LEAST_SECONDS = 1e-4
 """CPU time that a frame is taken to last at least, when it is counted how many make a measurement."""
-
-LARGEST_HALF = 65504.0
-"""The largest half float."""
-
-LARGEST_FLOAT = float(np.finfo(np.float32).max)
 
 LARGEST_EXPOSURE = 16.0
 """Up to here the step of 16 bits is finer than that of half floats near 1: 2.4e-4 against 9.8e-4."""
@@ -129,9 +125,8 @@ class PovRay:
         if moving := no_still(scene):
             return f"POV-Ray here draws frames of still scenes: {moving}"
         scene = as_drawn(scene, mode)
-        frames = looked_at(scene)
-        peak = lighting_of(scene, frames).peak
-        return too_bright(scene, peak, exposed(mode)) or _lost(scene, frames, recentred=_recentred(mode))
+        glare = too_bright(scene, _lighting(scene), exposed(mode), scene.view.size)
+        return glare or _lost_at_all(scene, _recentred(mode))
 
     def seeded(self, mode: Spec) -> bool:
         """Only for a randomised sampler of `accumulate`: POV-Ray's own jitter is a hash of the position."""
@@ -150,15 +145,10 @@ class PovRay:
         request = replace(request, scene=as_drawn(request.scene, request.mode))
         _check(self, request)
         frames = moved(frames_of(request.mode, request.seed, request.scene), request.shift)
-        output = _output_for(request.scene, frames, request.mode)
+        output = _output_for(request.scene, frames, request.mode, size)
         count, side = len(frames.weights), grid_side(request.mode) or 1
         path = executable()
-        try:
-            scratch = tempfile.TemporaryDirectory(prefix="aliascope-povray-")
-        except OSError as error:
-            raise NotWritable(f"no scratch folder for POV-Ray: {error.strerror}") from error
-        with scratch as name:
-            folder = Path(name)
+        with scratch_folder("povray", "POV-Ray") as folder:
             options = (
                 *antialiasing(request.mode, output.exposure),
                 *_part(size, frames),
@@ -182,34 +172,16 @@ class PovRay:
 RENDERER = PovRay()
 
 
-def too_bright(scene: Scene, peak: float, exposed: bool) -> str | None:
-    """Why no file of POV-Ray's holds a picture that may be so bright, or None.
-
-    An exposure brings any brightness within reach, but beside it half floats have no room for what is dimmer: a scene
-    may be as much brighter than the faintest of its lights as half floats go beyond 1.
-    """
-    most = min(LARGEST_FLOAT, LARGEST_HALF * max(1.0, _faintest(scene) if exposed else 1.0))
-    if peak <= most:
-        return None
-    if most == LARGEST_FLOAT:
-        return f"pictures of float32 end at {LARGEST_FLOAT:.3g}, and this one may reach {peak:.3g}"
-    if most > LARGEST_HALF:
-        return (
-            f"POV-Ray's pictures hold light up to {LARGEST_HALF:g} times the faintest of the scene, so up to {most:g}, "
-            f"and this one may reach {peak:g}"
-        )
-    return f"POV-Ray's pictures end at {LARGEST_HALF:g}, and this one may reach {peak:g}"
+@by_scene
+def _lighting(scene: Scene) -> Lighting:
+    """How bright a picture of the scene may be, in any mode."""
+    return lighting_of(scene, looked_at(scene))
 
 
-def _faintest(scene: Scene) -> float:
-    """The largest channel of the faintest thing that shines at all."""
-    patterned = (
-        tuple(emitted * c for emitted, c in zip(material.emission, colour, strict=True))
-        for material in scene.materials.values()
-        for colour in pattern_colours(material)
-    )
-    shining = (max(each) for each in (scene.view.background, *patterned, *(light.intensity for light in scene.lights)))
-    return min((most for most in shining if most > 0.0), default=1.0)
+@by_scene
+def _lost_at_all(scene: Scene, recentred: bool) -> str | None:
+    """Why POV-Ray would leave out a part of the scene in some mode, or None."""
+    return _lost(scene, looked_at(scene), recentred=recentred)
 
 
 def _recentred(mode: Spec) -> bool:
@@ -240,6 +212,9 @@ def _check(renderer: PovRay, request: Request) -> None:
     """Raises Unsupported for a request that cannot be met."""
     mode, size = request.mode, (request.width, request.height)
     reason = unable(renderer, request.scene, mode) or too_long(request.scene, mode, request.time_limit)
+    if reason and size != request.scene.view.size:  # it names pixels
+        view = request.scene.view.model_copy(update={"size": size})
+        reason = unable(renderer, request.scene.model_copy(update={"view": view}), mode) or reason
     if reason:
         raise Unsupported(reason)
     if request.shift != Request.shift:
@@ -250,12 +225,13 @@ def _check(renderer: PovRay, request: Request) -> None:
         raise Unsupported(f"{mode.text} at {size[0]}x{size[1]} needs a canvas of more than {LARGEST_AREA} pixels")
 
 
-def _output_for(scene: Scene, frames: Frames, mode: Spec) -> _Output:
+def _output_for(scene: Scene, frames: Frames, mode: Spec, size: tuple[int, int]) -> _Output:
     """PNG, which clips to [0, 1], so at an exposure; past LARGEST_EXPOSURE EXR, whose half floats have 11 bits.
 
     Raises Unsupported where the frames come nearer to a light than those that were looked at before."""
-    peak = lighting_of(scene, frames).peak
-    if reason := too_bright(scene, peak, exposed(mode)):
+    lighting = lighting_of(scene, frames)
+    peak = lighting.peak
+    if reason := too_bright(scene, lighting, exposed(mode), size):
         raise Unsupported(reason)
     binade = math.ceil(math.log2(peak)) if peak > 0.0 else 0
     exposure = 1.0

@@ -10,28 +10,35 @@ from __future__ import annotations
 import functools
 import math
 import re
-import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from aliascope.errors import InvalidInput, JobFailed, NotWritable
+from aliascope.bounded import as_shown, read_bytes, steers
+from aliascope.errors import InvalidInput, JobFailed
 from aliascope.geometry import Array
 from aliascope.image import opened, read_image, read_rows
 from aliascope.records import Pixels
+from aliascope.renderers import confinement
 from aliascope.renderers.povray_modes import antialiasing
-from aliascope.renderers.povray_process import RunFailed, Statistics, executable, read_statistics, run
+from aliascope.renderers.povray_process import Others, RunFailed, Statistics, executable, read_statistics, run
+from aliascope.scratch import scratch_folder
 from aliascope.specs import Spec
 
 LARGEST_FILE = 64 << 20
-"""Bytes of a scene's text that are looked at."""
+"""Bytes of a scene's text, with the files beside it that it includes."""
+MOST_TEXTS = 1000
+"""Of those files."""
 
 SYSTEM_INI = Path("/etc/povray/3.7/povray.ini")
 """Where POV-Ray's own include files are, for one that has its settings from the system."""
+
+LEAST_LEFT, LEFT_A_PIXEL = 64 << 20, 64
+"""Bytes that a scene may leave in a file: so many, and so many more for each pixel, of which POV-Ray needs 20."""
 
 HALF_STEP = 2.0**-11
 """Between half floats, relative to the larger of two neighbouring powers of two."""
@@ -42,10 +49,13 @@ AS_WRITTEN = 0.004
 SRGB = "srgb"
 """In place of the number of a gamma: the curve of sRGB."""
 
-_COMMENTS = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
-_INCLUDE = re.compile(r'#\s*include\s+"([^"\n]+)"')
-_WRITES = re.compile(r"#\s*fopen\s+\w+\s+[^\n]*?\b(?:write|append)\b|\bsave_file\b")
-_MESSAGE = re.compile(r"File '(?P<file>[^']+)' line (?P<line>\d+): (?P<text>(?:Parse|Fatal) Error:.*)")
+# Bounded, and whole where they do not end, so that no text takes longer than its length.
+_COMMENTS = re.compile(r'/\*.*?(?:\*/|\Z)|//[^\n]*|"(?:\\.|[^"\\\n])*+(?:"|(?=\n)|\\?\Z)', re.DOTALL)
+_INCLUDE = re.compile(r'#\s{0,40}include\s{1,40}"([^"\n]{1,4096})"')
+_WRITES = re.compile(r"#\s{0,40}fopen\s{1,40}\w{1,200}\s{1,40}[^\n#]{0,400}?\b(?:write|append)\b|\bsave_file\b")
+_MESSAGE = re.compile(r"File '(?P<file>[^']{1,4096})' line (?P<line>\d{1,9}): (?P<text>(?:Parse|Fatal) Error:.*)")
+_SECONDS = re.compile(r"(?:Parse|Bounding|Photon) Time:.{0,200}?\((\d{1,9}(?:\.\d{1,9})?) seconds\)")
+_NOT_FOUND = re.compile(r"could not find|cannot (?:open|find)|not permitted|no such file", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -122,7 +132,8 @@ def open_file(path: Path) -> PovFile:
 
     What its text alone tells is looked for in the file, and in the files beside it that it includes.
     """
-    texts = list(_texts(path, set()))
+    _check_place(path)
+    texts = _texts(path)
     for name, text in texts:
         code = _COMMENTS.sub(lambda found: "" if found[0].startswith("/") else '""', text)
         if found := _WRITES.search(code):
@@ -134,27 +145,53 @@ def open_file(path: Path) -> PovFile:
     if not any("camera" in text.lower() for _, text in texts):
         raise InvalidInput(f"{path}: the scene has no camera")
     notes = []
+    protection = confinement.protection()
+    if not protection.files:
+        notes.append(f"the scene, which is a program, was held by {protection.told}")
     if any(re.search(r"\b(?:clock|frame_number)\b", _COMMENTS.sub("", text)) for _, text in texts):
         notes.append("the scene moves with the clock: what was measured is its picture at clock 0")
     return PovFile(path.absolute(), library_paths(), tuple(notes))
 
 
-def _texts(path: Path, seen: set[Path]) -> Iterator[tuple[Path, str]]:
-    """The text of a scene, then those of the files beside it that it includes; those of POV-Ray's own are left out."""
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise InvalidInput(f"{path}: a scene file has at most {LARGEST_FILE >> 20} MiB")
-        if not path.is_file():
-            raise InvalidInput(f"{path}: cannot be read: it is no file")
-        text = path.read_text(encoding="latin-1")
-    except OSError as error:
-        raise InvalidInput(f"{path}: cannot be read: {error.strerror}") from error
-    seen.add(path)
-    yield path, text
-    for name in _INCLUDE.findall(text):
-        beside = path.parent / name
-        if beside not in seen and beside.is_file() and beside.stat().st_size <= LARGEST_FILE:
-            yield from _texts(beside, seen)
+def _check_place(path: Path) -> None:
+    """Raises InvalidInput for a scene whose folder has the user's whole home in it: all of that could be read; and for
+    one whose name would be more than a name in an ini file."""
+    if steers(path.name) or '"' in path.name:
+        raise InvalidInput(f"{as_shown(str(path))}: no name for an ini file, which sweep.ini is: rename the scene")
+    folder = path.absolute().parent.resolve()
+    home = Path("~").expanduser().resolve()
+    if home != Path("/") and home.is_relative_to(folder):
+        raise InvalidInput(
+            f"{path}: a .pov file is a program that can read all of the folder in which it lies, and {folder} has "
+            "your home folder in it, or is that: move the scene into a folder of its own"
+        )
+
+
+def _texts(path: Path) -> list[tuple[Path, str]]:
+    """The text of a scene, then those of the files beside it that it includes; those of POV-Ray's own are left out, and
+    those that do not lie in its folder, which it cannot read."""
+    folder = path.absolute().parent.resolve()
+    waiting, seen, size = [path], {path.resolve()}, 0
+    texts: list[tuple[Path, str]] = []
+    while waiting:
+        current = waiting.pop()
+        data = read_bytes(current, LARGEST_FILE, "scene")
+        size += len(data)
+        if size > LARGEST_FILE or len(texts) >= MOST_TEXTS:
+            raise InvalidInput(
+                f"{path}: a scene and what it includes have at most {MOST_TEXTS} files and {LARGEST_FILE >> 20} MiB"
+            )
+        text = data.decode("latin-1")
+        texts.append((current, text))
+        for name in _INCLUDE.findall(text):
+            # POV-Ray looks for all of them from the folder in which it runs.
+            beside = folder / name
+            with suppress(OSError, ValueError):  # a name that no file can have
+                place = beside.resolve()
+                if place.is_relative_to(folder) and place not in seen and place.is_file():
+                    seen.add(place)
+                    waiting.append(beside)
+    return texts
 
 
 @functools.cache
@@ -291,12 +328,7 @@ def _run(
     file: PovFile, size: tuple[int, int], options: Sequence[str], time_limit: float, threads: int, unclipped: bool
 ) -> Iterator[tuple[Path, str]]:
     """Runs POV-Ray, and gives the picture's path, while it is there, and what was printed."""
-    try:
-        scratch = tempfile.TemporaryDirectory(prefix="aliascope-sweep-")
-    except OSError as error:
-        raise NotWritable(f"no scratch folder for POV-Ray: {error.strerror}") from error
-    with scratch as name:
-        folder = Path(name)
+    with scratch_folder("sweep", "POV-Ray") as folder:
         (folder / "aliascope.ini").write_text("".join(f'Library_Path="{each}"\n' for each in file.libraries))
         picture = folder / ("picture.exr" if unclipped else "picture.png")
         arguments = [
@@ -313,18 +345,28 @@ def _run(
             *options,
         ]
         try:
-            output = run(executable(), arguments, folder, time_limit, user_folder=file.path.parent)
+            output = run(executable(), arguments, folder, time_limit, others=_others(file, size, threads))
         except RunFailed as error:
             raise _told(file, error) from error
         yield picture, output
+
+
+def _others(file: PovFile, size: tuple[int, int], threads: int) -> Others:
+    """What may be read for a scene, and how much may be left: the picture, and what POV-Ray keeps of it meanwhile."""
+    most = LEAST_LEFT + LEFT_A_PIXEL * size[0] * size[1]
+    return Others(file.path.parent, tuple(map(Path, file.libraries)), most, threads)
 
 
 def _told(file: PovFile, error: RunFailed) -> InvalidInput | JobFailed:
     """POV-Ray's own message, with its file and line, which it wraps."""
     joined = re.sub(r"\n ", " ", error.output)
     if found := _MESSAGE.search(joined):
-        where = file.path.parent / found["file"]
-        return InvalidInput(f"{where}:{found['line']}: {' '.join(found['text'].split())}")
+        where, text = file.path.parent / found["file"], " ".join(found["text"].split())
+        if "bad_alloc" in text:
+            text = str(error)
+        elif _NOT_FOUND.search(text):
+            text += " (a scene reads what lies in its folder and below, and POV-Ray's own files)"
+        return InvalidInput(f"{where}:{found['line']}: {text}")
     return JobFailed(f"{file.path}: {error}")
 
 
@@ -350,5 +392,4 @@ def _last(output: str) -> Statistics:
 
 def _parse_seconds(output: str) -> float:
     """Of the wall: what is not the trace, and is there for each picture alike (parsing, bounding, photons)."""
-    found = re.findall(r"(?:Parse|Bounding|Photon) Time:.*?\(([\d.]+) seconds\)", output)
-    return sum(float(seconds) for seconds in found)
+    return sum(float(seconds) for seconds in _SECONDS.findall(output))

@@ -31,10 +31,12 @@ class Lighting:
     """What the text of a lit scene needs to know of all of it.
 
     `peak`: the largest channel that the picture can have, linear; infinite where a light lies on a surface that it
-    lights. `fade_distances`: of each light, in the scene's units; they matter to those that fall off alone.
+    lights. `brightest`: the material that sends out the most, "" for the background. `fade_distances`: of each light,
+    in the scene's units; they matter to those that fall off alone.
     """
 
     peak: float
+    brightest: str
     fade_distances: tuple[float, ...]
 
 
@@ -49,7 +51,8 @@ def lighting_of(scene: Scene, frames: Frames | None = None) -> Lighting:
         here = lights if times is None else tuple(points and points.only(number) for points in lights)
         found.append(_lighting_at(moment, here or (None,) * len(scene.lights)))
     fades = zip(*(each.fade_distances for each in found), strict=True)
-    return Lighting(max(each.peak for each in found), tuple(min(each) for each in fades))
+    most = max(found, key=lambda each: each.peak)
+    return Lighting(most.peak, most.brightest, tuple(min(each) for each in fades))
 
 
 def _lighting_at(scene: Scene, lights: tuple[LightPoints | None, ...]) -> Lighting:
@@ -76,8 +79,9 @@ def _lighting_at(scene: Scene, lights: tuple[LightPoints | None, ...]) -> Lighti
             if colour > 0.0:
                 reflected = albedo * float(light_there[channel]) if albedo > 0.0 else 0.0
                 row[channel] = colour * (material.emission[channel] + reflected)
-    peak = _brightest(scene, names, radiance)
-    return Lighting(peak, tuple(fades))
+    sources = ("", *names)
+    sent = np.vstack([scene.view.background, radiance]).max(axis=1)
+    return Lighting(_brightest(scene, names, radiance), sources[int(sent.argmax())], tuple(fades))
 
 
 def _brightest(scene: Scene, names: tuple[str, ...], radiance: Array) -> float:

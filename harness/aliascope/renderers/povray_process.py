@@ -6,16 +6,22 @@ The user's and the system's ini files have no say; see `process` for what else i
 from __future__ import annotations
 
 import functools
+import logging
+import math
 import os
 import re
 import shutil
+import signal
 import time
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
-from aliascope.errors import JobFailed, NotAvailable
+from aliascope import logs
+from aliascope.errors import JobFailed, NotAvailable, NotWritable
 from aliascope.places import LIBRARIES
-from aliascope.renderers import process
+from aliascope.renderers import confinement, process
+from aliascope.renderers.confinement import Fence
 from aliascope.renderers.process import KEPT_BYTES, TimeLimit
 
 KEPT_BYTES_A_FRAME = 1 << 13
@@ -24,15 +30,20 @@ KEPT_BYTES_A_FRAME = 1 << 13
 VERSION_TIME_LIMIT = 30.0
 """Seconds; `povray --version` takes 0.05."""
 
+SETTINGS = Path("/etc/povray")
+"""Of the system."""
+
 STARVED = "Timed out waiting for worker thread startup"
 """What povray says on a machine that is too busy to start its threads in time: it gives up before it has begun."""
 STARTS = 4
 """How often it is started then, at most."""
 
+# What a scene prints itself stands among it: each part is bounded, so that nothing takes long to be told from it.
 _STATISTICS = re.compile(
-    r"Pixels:\s*(?P<pixels>\d+)\s+Samples:\s*(?P<samples>\d+).*?"
-    r"Rays:\s*(?P<rays>\d+).*?"
-    r"Trace Time:.*?\((?P<wall>[\d.]+) seconds\)\s*using \d+ thread\(s\) with (?P<cpu>[\d.]+) CPU-seconds",
+    r"Pixels:\s{0,40}(?P<pixels>\d{1,20})\s{1,40}Samples:\s{0,40}(?P<samples>\d{1,20}).{0,8000}?"
+    r"Rays:\s{0,40}(?P<rays>\d{1,20}).{0,8000}?"
+    r"Trace Time:.{0,200}?\((?P<wall>\d{1,9}(?:\.\d{1,9})?) seconds\)\s{0,40}using \d{1,9} thread\(s\) with "
+    r"(?P<cpu>\d{1,9}(?:\.\d{1,9})?) CPU-seconds",
     re.DOTALL,
 )
 
@@ -41,6 +52,23 @@ SHORT_WAITS = LIBRARIES / "libaliascope-waits.so"
 microsecond: see csrc/waits/short_waits.c."""
 FINE_CLOCK = "aliascope: CPU seconds are milliseconds"
 """What that library adds to the output."""
+
+
+CONF = """[File I/O Security]
+restricted
+[Shellout Security]
+forbidden
+[Permitted Paths]
+"""
+"""POV-Ray's own restrictions: no command of a scene's can be run. Those of files, in which its folder and the scratch
+one are named, 3.7.0.10 reads and does not heed on Linux (measured: a scene includes /etc/passwd): `confinement` does
+that."""
+
+MORE_CPU_SECONDS = 60
+"""Than its threads can take within the time limit."""
+
+PASSED_ON = ("PATH", "TMPDIR", "LD_LIBRARY_PATH")
+"""Of the environment, to a user's own scene."""
 
 
 class RunFailed(JobFailed):
@@ -93,42 +121,103 @@ def version(path: str) -> str:
     return found[1]
 
 
+@dataclass(frozen=True)
+class Others:
+    """Of a run of a scene that may be anybody's: the folder that it lies in, where POV-Ray runs; the folders of
+    POV-Ray's own files; how many bytes it may leave in a file; and its threads."""
+
+    folder: Path
+    libraries: tuple[Path, ...]
+    file_bytes: int
+    threads: int
+
+    def fence(self, scratch: Path, program: str, time_limit: float) -> Fence:
+        program_folder = Path(program).resolve().parent
+        return Fence(
+            readable=(self.folder, SETTINGS, program_folder, LIBRARIES, *self.libraries),
+            folder=scratch,
+            file_bytes=self.file_bytes,
+            folder_bytes=2 * self.file_bytes,
+            memory_bytes=confinement.memory_limit(),
+            cpu_seconds=math.ceil(self.threads * time_limit) + MORE_CPU_SECONDS,
+        )
+
+
 def run(
     path: str,
     arguments: list[str],
     folder: Path,
     time_limit: float,
     frames: int = 1,
-    user_folder: Path | None = None,
+    others: Others | None = None,
 ) -> str:
     """Runs povray in `folder`, and returns the last KEPT_BYTES of what it prints, more where it renders many frames.
     Where it was STARVED, it is run again. The only ini file that it reads unasked is aliascope.ini in `folder`.
-    `user_folder`: where it runs instead, for a user's own scene, which sees the user's home.
+    `others`: of a scene that is not ours, which is confined: `folder` is what it can write to, and its home.
 
     Raises RunFailed where it fails or is killed, TimeLimit where it has not ended after `time_limit` seconds on the
-    wall, and NotAvailable where it cannot be started. Afterwards no process of it is left.
+    wall, TooMuch where it leaves too much, and NotAvailable where it cannot be started. Afterwards no process of it is
+    left.
     """
     preloaded = " ".join(
         filter(None, (os.environ.get("LD_PRELOAD"), str(SHORT_WAITS) if SHORT_WAITS.is_file() else ""))
     )
-    ini = folder / "aliascope.ini"
-    environment = {**os.environ, "POVINI": str(ini), "LC_ALL": "C", "LD_PRELOAD": preloaded}
-    if user_folder is None:
-        environment["HOME"] = str(folder)
+    own = {"POVINI": str(folder / "aliascope.ini"), "LC_ALL": "C", "HOME": str(folder)}
     most = max(KEPT_BYTES, frames * KEPT_BYTES_A_FRAME)
     deadline = time.monotonic() + time_limit
-    for _ in range(STARTS):
-        try:
-            ended = process.run(
-                [path, *arguments], user_folder or folder, deadline - time.monotonic(), environment, most
-            )
-        except TimeLimit as error:
-            raise TimeLimit(f"povray had not ended after {time_limit:.3g} s, its time limit, and was killed") from error
-        if ended.status == 0:
-            return ended.text
-        if STARVED not in " ".join(ended.text.split()):
-            break
-    raise RunFailed(process.complaint("povray", ended, [FINE_CLOCK]), ended.text)
+    with ExitStack() as stack:
+        if others is None:
+            held = process.FREE
+            environment = {**os.environ, **own, "LD_PRELOAD": preloaded}
+        else:
+            fence = others.fence(folder, path, time_limit)
+            _write_conf(folder, fence)
+            # What is preloaded is for povray, not for the program that confines it.
+            held = stack.enter_context(confinement.held(fence, {"LD_PRELOAD": preloaded}))
+            environment = {name: os.environ[name] for name in PASSED_ON if name in os.environ} | own
+        for _ in range(STARTS):
+            left = deadline - time.monotonic()
+            try:
+                where = folder if others is None else others.folder
+                ended = process.run([path, *arguments], where, left, environment, most, held)
+            except TimeLimit as error:
+                raise TimeLimit(
+                    f"povray had not ended after {time_limit:.3g} s, its time limit, and was killed"
+                ) from error
+            if ended.status == 0:
+                return ended.text
+            if STARVED not in " ".join(ended.text.split()):
+                break
+            logs.event(logging.INFO, "retry", f"povray: {STARVED}: it is started again")
+    message = process.complaint("povray", ended, [FINE_CLOCK])
+    if others is not None:
+        message = _limit_met(ended, fence) or message
+    raise RunFailed(message, ended.text)
+
+
+def _write_conf(home: Path, fence: Fence) -> None:
+    path = home / ".povray" / "3.7" / "povray.conf"
+    paths = [*(("read*", each) for each in fence.readable), ("read+write*", fence.folder)]
+    # One with a quote, a semicolon or a line end in its name cannot be written there, and stays forbidden.
+    lines = [f'{right} = "{each}"\n' for right, each in paths if not set('"\n;') & set(str(each))]
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(CONF + "".join(lines))
+    except OSError as error:
+        raise NotWritable(f"{path}: cannot be written: {error.strerror}") from error
+
+
+def _limit_met(ended: process.Ended, fence: Fence) -> str | None:
+    """Which limit a scene that is not ours met, as far as its end tells."""
+    if ended.status == -signal.SIGXFSZ:
+        return f"povray wrote more than {fence.file_bytes >> 20} MiB into a file, the most that it may, and was killed"
+    if ended.status == -signal.SIGXCPU:
+        return f"povray took more than {fence.cpu_seconds} s of CPU time, the most that it may, and was killed"
+    if "bad_alloc" in ended.text or re.search(r"out of memory", ended.text, re.IGNORECASE):
+        return (
+            f"povray asked for more than {fence.memory_bytes / (1 << 30):.3g} GiB of memory, the most that it may have"
+        )
+    return None
 
 
 def read_statistics(output: str) -> list[Statistics]:
@@ -141,7 +230,7 @@ def read_statistics(output: str) -> list[Statistics]:
             int(m["rays"]),
             unit * float(m["cpu"]),
             float(m["wall"]),
-            sum(int(count) for count in re.findall(r"Reflected Rays:\s*(\d+)", m[0])),
+            sum(int(count) for count in re.findall(r"Reflected Rays:\s{0,40}(\d{1,20})", m[0])),
         )
         for m in _STATISTICS.finditer(output)
     ]

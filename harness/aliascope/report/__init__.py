@@ -26,6 +26,7 @@ from aliascope.report.spectra import SceneSpectra, spectra_csv, spectra_of
 from aliascope.report.tables import results_csv
 from aliascope.report.trade import TITLES, trade_csv, trade_of
 from aliascope.report.verdicts import verdicts_html
+from aliascope.sharing import records_shared
 from aliascope.trade import Trade
 from aliascope.trade.records import Knob
 
@@ -58,6 +59,7 @@ def write_report(folder: Path, data: ReportData, run: Run | None = None, measure
 
     Returns the path of report.html. Raises NotWritable, and InvalidInput where a picture has not its reference's size.
     """
+    data, run = records_shared(data), records_shared(run)
     spectra, filters = spectra_of(data), filter_responses()
     trade = trade_of(data)
     trade = replace(trade, knobs=(*trade.knobs, *measures))

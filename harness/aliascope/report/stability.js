@@ -47,6 +47,17 @@ grid.forEach((table) => {
   })));
 });
 
+// --- where there is more ---------------------------------------------------------------------------------------------
+
+for (const box of document.querySelectorAll(".map-box")) {
+  const tell = () => {
+    box.parentElement.classList.toggle("more-right", box.scrollLeft + box.clientWidth < box.scrollWidth - 1);
+    box.parentElement.classList.toggle("more-below", box.scrollTop + box.clientHeight < box.scrollHeight - 1);
+  };
+  box.addEventListener("scroll", tell, { passive: true });
+  new ResizeObserver(tell).observe(box);
+}
+
 // --- one cell --------------------------------------------------------------------------------------------------------
 
 let shown = null;

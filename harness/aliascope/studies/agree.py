@@ -234,13 +234,21 @@ def _rendered(
         for file in files:
             if name in sought.able(file):
                 seeds = seeds_of(name, asked)
-                work = [[file, name, modes[name], asked.size, seed, asked.time_limit] for seed in seeds]
-                begun[file.name, name] = [workers.begin(picture, each, asked.time_limit) for each in work]
+                begun[file.name, name] = [
+                    workers.begin(
+                        picture,
+                        [file, name, modes[name], asked.size, seed, asked.time_limit],
+                        asked.time_limit,
+                        {"scene": file.name, "renderer": name, "mode": modes[name], "seed": seed},
+                    )
+                    for seed in seeds
+                ]
     thought = {
         file.name: workers.begin(
             agree_effects.facts_of,
             [file.scene, asked.size, "osmesa" in sought.able(file) and agree_known.displaced("osmesa", file.scene) > 0],
             asked.time_limit,
+            {"scene": file.name, "facts": "effects"},
         )
         for file in files
     }

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import base64
 import json
-import shlex
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from aliascope import places
+from aliascope import places, sharing
 from aliascope.agreement import SIGNIFICANCE
 from aliascope.geometry import Array
 from aliascope.report import charts
@@ -28,6 +28,7 @@ WORDS = {"agree": "agree", "known": "differ as known", "differ": "differ"}
 
 def write(folder: Path, answer: Answer) -> Path:
     """Writes the page and results.json; returns the path of the page. Raises NotWritable."""
+    answer = replace(answer, cells=sharing.records_shared(answer.cells), skipped=sharing.records_shared(answer.skipped))
     write_text(folder / "results.json", json.dumps(document(answer), allow_nan=False, indent=1) + "\n")
     return write_text(folder / "report.html", teaching_page(page_of(answer)))
 
@@ -75,7 +76,7 @@ def command(answer: Answer) -> str:
     for name in asked.renderers:
         words += ["-r", name]
     words += ["--size", f"{asked.size[0]}x{asked.size[1]}", "--samples", str(asked.samples)]
-    return shlex.join([*words, "--replicates", str(asked.replicates), "--seed", str(asked.seed)])
+    return sharing.command_line([*words, "--replicates", str(asked.replicates), "--seed", str(asked.seed)])
 
 
 _TEXT = (

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import logging
 import math
-import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -13,25 +13,23 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from aliascope import image, jobs, metrics, pipeline, places, references, renderers, trade
-from aliascope.draws import UNMOVED, text_of
-from aliascope.errors import CheckFailed, Interrupted, NotWritable, Unsupported
+from aliascope import calibration, image, jobs, logs, metrics, pipeline, places, renderers, trade
+from aliascope.cluster.client import Cluster
+from aliascope.draws import UNMOVED
+from aliascope.errors import Interrupted, NotWritable, Unsupported
+from aliascope.interrupts import Interrupts
 from aliascope.jobs import Judged, Plan
 from aliascope.pipeline import Options, Progress
-from aliascope.plan import FILTERS
 from aliascope.records import Estimate, Failure, Job, ModeRow, Noise, Outcome, ReportData, SceneSection
 from aliascope.references import Reference
-from aliascope.references import files as reference_files
 from aliascope.report import write_report
 from aliascope.specs import family, label, settings
 from aliascope.statistics import Spread, mean, median_time, pooled_spread, root_mean_square
 from aliascope.store import Store
-from aliascope.studies import probes
+from aliascope.studies import compare_work, probes
 from aliascope.studies.headlines import headlines
-from aliascope.studies.progress import converging
 from aliascope.trade import words
 from aliascope.trade.records import Knob
-from aliascope.workers import Workers
 
 
 @dataclass(frozen=True)
@@ -42,6 +40,8 @@ class Comparison:
     data: ReportData
     rendered: int
     outcomes: Mapping[str, Outcome]
+    changed: int
+    """Pictures that were there, and were made again as their files were gone or not what was written."""
 
 
 def compare(
@@ -52,28 +52,52 @@ def compare(
     progress: Progress,
     tell: Callable[[str], None],
     measures: Sequence[Knob] = (),
+    cluster: Cluster | None = None,
 ) -> Comparison:
     """Renders what `folder` does not have yet, and writes results and report there. `tell` is given what a user has to
-    know, `progress` what takes time. `measures` are shown with the knobs of the modes.
+    know, `progress` what takes time. `measures` are shown with the knobs of the modes. The folder is `locked`.
+    The jobs run on the `cluster`, if there is one, else here.
 
     Raises CheckFailed for a scene of the project without its reference, Unsupported for a scene that nothing draws,
-    NotWritable for the folder.
+    NotWritable for the folder; Interrupted on Ctrl-C, once there is a report of what was finished.
     """
-    begun, started = time.perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
     check_drawn(plan)
-    judged, plan = references_of(plan, folder / "references", progress, tell)
-    with Store(folder / "results.sqlite") as store:
-        _check_writable(folder)
-        versions = {**plan.versions, **plan.plugins}
+    counts = {"pictures": len(plan.jobs), "empty": len(plan.empty)}
+    versions = {**plan.versions, **plan.plugins}
+    skipped = dict(plan.skipped)
+    logs.event(logging.INFO, "plan", counted(len(plan.jobs)), **counts, skipped=skipped, versions=versions)
+    begun, started = time.perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
+    _check_writable(folder)
+    pipeline.remove_unfinished(folder)
+    with Store(folder / "results.sqlite") as store, Interrupts() as interrupts:
         store.begin_run(started, command, places.revision(), places.machine(), versions)
-        pixels = {key: reference.pixels for key, reference in judged.items()}
+        work = compare_work.Work(plan, folder, options, store, progress, tell, interrupts, cluster)
         try:
-            with Workers(options.processes) as workers, Workers(len(os.sched_getaffinity(0))) as measurers:
-                outcomes, reused = pipeline.execute(plan, folder, store, pixels, options, progress, workers, measurers)
-                probed = probes.of_those_that_drew(outcomes.values(), plan.skipped, store, options, progress, workers)
-        except KeyboardInterrupt as error:
-            raise Interrupted("interrupted; what was finished is kept, and the same command goes on from it") from error
-        noise = store.noise(outcomes)
+            work.do()
+            interrupts.hold()
+        except KeyboardInterrupt:
+            work.conclude()
+        result = _report(work, begun, started, versions, measures)
+    if interrupts.pressed:
+        raise Interrupted(
+            f"interrupted: {result.data.pictures} of {counted(len(plan.jobs))} are finished, and in {result.report}; "
+            "the same command goes on from there"
+        )
+    return result
+
+
+def _report(
+    work: compare_work.Work,
+    begun: float,
+    started: str,
+    versions: Mapping[str, str],
+    measures: Sequence[Knob],
+) -> Comparison:
+    """Writes what there is."""
+    plan, judged, folder = work.plan, work.judged, work.folder
+    # As they were planned, not as they came: the last digits of sums hang on their order.
+    outcomes = {job.key: work.kept.outcomes[job.key] for job in plan.jobs}
+    noise = calibration.mixed(work.store.noise(outcomes), _machines(outcomes.values()))
     # The box first: it is what all three renderers have.
     order = sorted(
         {key[:2] for key in judged}, key=lambda key: (list(plan.files).index(key[0]), key[1] != "box", key[1])
@@ -85,26 +109,35 @@ def compare(
         started=started,
         wall_seconds=time.perf_counter() - begun,
         pictures=sum(outcome.status == "done" for outcome in outcomes.values()),
-        reused=reused,
-        headlines=headlines(sections),
+        reused=work.kept.reused,
+        headlines=(*work.notes(), *headlines(sections)),
         scenes=sections,
         failures=tuple(
             Failure(
-                job.scene, job.renderer, job.mode, outcome.message, pipeline.repeat_command(job, options.time_limit)
+                job.scene,
+                job.renderer,
+                job.mode,
+                outcome.message,
+                pipeline.repeat_command(job, work.options.time_limit),
             )
             for job, outcome in ((job, outcomes[job.key]) for job in plan.jobs)
             if outcome.status == "failed"
         ),
-        machine={**places.machine(), "jobs side by side": _side_by_side(outcomes.values())},
+        machine={
+            **places.machine(),
+            **_machines_told(outcomes.values()),
+            "jobs side by side": _side_by_side(outcomes.values()),
+        },
         versions={"aliascope": f"{places.own_version()} ({places.revision()})", **versions},
         metrics=metrics.ABOUT,
         skipped=plan.skipped,
         undrawn=tuple(cell for cell in plan.empty if (cell.scene, "box") not in order),
-        probes=probed,
+        probes=work.probed,
         probe_limits=probes.LIMITS,
         noise=noise,
     )
-    return Comparison(write_report(folder, data, measures=measures), data, len(outcomes) - reused, outcomes)
+    rendered = len(outcomes) - work.kept.reused
+    return Comparison(write_report(folder, data, measures=measures), data, rendered, outcomes, work.kept.changed)
 
 
 def _side_by_side(outcomes: Iterable[Outcome]) -> str:
@@ -115,6 +148,20 @@ def _side_by_side(outcomes: Iterable[Outcome]) -> str:
         return "1: each picture was timed alone"
     told = ", ".join(f"{found} of the pictures {processes}" for processes, found in sorted(counts.items()))
     return f"{told}: those with more than 1 have inflated times; run again with -j 1 for times that can be compared"
+
+
+def _machines(outcomes: Iterable[Outcome]) -> Counter[str]:
+    """How many pictures each machine timed; the run's own is ""."""
+    return Counter(outcome.machine for outcome in outcomes if outcome.status == "done")
+
+
+def _machines_told(outcomes: Iterable[Outcome]) -> dict[str, str]:
+    """For the report, where not all pictures were timed on the machine that writes it."""
+    counts = _machines(outcomes)
+    if set(counts) <= {""}:
+        return {}
+    told = [f"{counted(count)} on {name or 'this one'}" for name, count in sorted(counts.items())]
+    return {"pictures timed": "; ".join(told)}
 
 
 def check_drawn(plan: Plan) -> None:
@@ -129,53 +176,6 @@ def _check_writable(folder: Path) -> None:
         (folder / "images").mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise NotWritable(f"{folder}: cannot be written: {error.strerror}; choose another folder with -o") from error
-
-
-def references_of(
-    plan: Plan, folder: Path, progress: Progress, tell: Callable[[str], None]
-) -> tuple[dict[Judged, Reference], Plan]:
-    """What the pictures of a plan are judged by, and the plan without the pictures that are moved on the film where an
-    exact method refuses: what would have to be converged for them costs more than they are worth."""
-    judged: dict[Judged, Reference] = {}
-    for key, size in {jobs.judged_by(job): (job.width, job.height) for job in plan.jobs}.items():
-        try:
-            judged[key] = reference_of(plan, key, size, folder, progress, tell)
-        except Unsupported:
-            if key[2] == UNMOVED:
-                raise
-            plan = jobs.without(plan, key)
-    return judged, plan
-
-
-def reference_of(
-    plan: Plan,
-    key: Judged,
-    size: tuple[int, int],
-    folder: Path,
-    progress: Progress,
-    tell: Callable[[str], None],
-) -> Reference:
-    """The kept reference of a scene of the project at its own size, of a filter that the profiles judge. Any other is
-    made now and kept in `folder`: exact where there is a method, else converged. Raises Unsupported where one that is
-    moved on the film has no exact method."""
-    name, filter_, shift = key
-    file = plan.files[name]
-    kept = shift == UNMOVED or reference_files.path_of(places.REFERENCES, name, size, filter_, shift).is_file()
-    if kept and file.path.parent == places.SCENES and size == file.scene.view.size and filter_ in ("box", *FILTERS):
-        return reference_files.load(places.REFERENCES, name, file.scene, size, filter_, shift)
-    if reference_files.path_of(folder, name, size, filter_, shift).is_file():
-        try:
-            return reference_files.load(folder, name, file.scene, size, filter_, shift)
-        except CheckFailed as error:  # of an earlier version of the scene
-            tell(str(error).partition("; ")[0])
-    what = f"reference of {name}, {size[0]} x {size[1]} pixels, filter {filter_}"
-    if shift != UNMOVED:
-        what += f", shifted by {text_of(shift)}"
-    progress(what, 0, 1)
-    converged = references.Plan(threads=len(os.sched_getaffinity(0)), tell=converging(what, progress))
-    made = references.make(file.scene, size, filter_, converged if shift == UNMOVED else None, shift)
-    reference_files.save(folder, name, file.scene, size, filter_, made, shift)
-    return made
 
 
 def spreads_of(outcomes: Iterable[Outcome], noise: Noise | None) -> dict[str, Spread | None]:
@@ -312,6 +312,7 @@ def summary(result: Comparison, plan: Plan) -> dict[str, Any]:
         "pictures": data.pictures,
         "rendered": result.rendered,
         "reused": data.reused,
+        "changed": result.changed,
         "failed": len(data.failures),
         "wall_seconds": data.wall_seconds,
         "headlines": list(data.headlines),
@@ -383,6 +384,8 @@ def summary_lines(result: Comparison, plan: Plan) -> list[str]:
     lines += empty_lines(plan)
     lines += data.headlines
     kept = f", {data.reused} of them from before" if data.reused else ""
+    if result.changed:
+        kept += f", {result.changed} made again, as their files were gone or had changed"
     if data.noise is not None:
         lines.append(data.noise.told)
     lines.append(f"{counted(data.pictures)}{kept}, {len(data.failures)} failed, {data.wall_seconds:.0f} s")

@@ -9,6 +9,7 @@ from typing import Any
 
 from aliascope import places, renderers
 from aliascope.errors import AliascopeError, NotAvailable
+from aliascope.renderers import confinement
 from aliascope.renderers.base import Renderer
 from aliascope.studies import doctor_embree, doctor_osmesa, doctor_povray
 from aliascope.studies.doctor_charts import Edges, Star
@@ -60,10 +61,12 @@ def examine(
             findings = [next(answered) for _ in several]
             found[index]["findings"] = [finding.document for finding in findings]
             found[index]["holds"] = found[index]["holds"] and not any(finding.failed for finding in findings)
+    protection = confinement.protection()
     return {
         "aliascope": places.own_version(),
         "revision": places.revision(),
         "machine": places.machine(),
+        "confinement": {"by": protection.by, "files": protection.files, "told": protection.told},
         "renderers": found,
     }
 
@@ -97,6 +100,9 @@ def lines_of(document: Mapping[str, Any]) -> list[str]:
     lines = [
         f"aliascope {document['aliascope']} ({document['revision']})",
         ", ".join(f"{name} {value}" for name, value in document["machine"].items()),
+        *textwrap.wrap(
+            f"a .pov file of somebody's is held by {document['confinement']['told']}", WIDTH, subsequent_indent="  "
+        ),
     ]
     for entry in document["renderers"]:
         lines += ["", *_of_renderer(entry)] if entry.get("findings") else _of_renderer(entry)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import codecs
 import contextlib
 import io
+import stat
 import sys
 import warnings
 from collections.abc import Iterator
@@ -28,7 +29,11 @@ Array = NDArray[np.float64]
 STANDARD_INPUT = "-"
 _CHUNK = 1 << 22
 """Bytes that are read at a time."""
-_LONGEST_LINE = 1 << 26
+_LONGEST_LINE = 1 << 22
+
+MOST_NUMBERS = 1 << 27
+"""Coordinates of a file: 1 GiB."""
+MOST_COLUMNS = 10_000
 _REMEDY = "points are numbers in [0, 1], one point a line"
 
 
@@ -41,12 +46,30 @@ def read_points(name: str) -> Array:
         if name == STANDARD_INPUT:
             return _Text("standard input").read(sys.stdin.buffer)
         path = Path(name)
+        _check_kind(path)
         if path.suffix.lower() == ".npy":
             return _read_npy(path)
         with path.open("rb") as stream:
             return _Text(name).read(stream)
-    except OSError as error:
+    except (OSError, ValueError) as error:  # ValueError: of a name with a NUL byte
+        if isinstance(error, ValueError):
+            raise InvalidInput(f"{name}: cannot be read: a name has no NUL byte") from error
         raise InvalidInput(f"{name}: cannot be read: {error.strerror or error}") from error
+
+
+def _check_kind(path: Path) -> None:
+    """Raises InvalidInput for a pipe that may have no writer, and a device, which may never end."""
+    mode = path.stat().st_mode
+    given = stat.S_ISFIFO(mode) and path.is_relative_to("/dev/fd")  # by a shell, as <(...)
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode) or given):
+        raise InvalidInput(f"{path}: cannot be read: it is no file, but a pipe or a device; for standard input take -")
+
+
+def _check_count(place: str, rows: int, columns: int) -> None:
+    if columns > MOST_COLUMNS:
+        raise InvalidInput(f"{place}: has {columns} columns; points have at most {MOST_COLUMNS} dimensions")
+    if rows * columns > MOST_NUMBERS:
+        raise InvalidInput(f"{place}: has more than {MOST_NUMBERS} numbers, the most that are read")
 
 
 # --- text -------------------------------------------------------------------------------------------------------------
@@ -72,6 +95,7 @@ class _Text:
             rows = self._rows(lines)
             if not len(rows):
                 continue
+            _check_count(self.name, count + len(rows), self.columns)
             if count + len(rows) > len(values):
                 room = max(count + len(rows), len(values) + len(values) // 2)
                 if not count:
@@ -132,6 +156,7 @@ class _Text:
                 self.header = self.lines + index + 1, len(fields)
                 continue
             self.columns = len(fields)
+            _check_count(f"{self.name}:{self.lines + index + 1}", 1, self.columns)
             self._checked(self.lines + index + 1, fields)
             self.before = index
             return lines[index:]
@@ -201,6 +226,8 @@ def _what_is_no_number(field: str) -> str:
 def _read_npy(path: Path) -> Array:
     """By its header first: an array of something else is not read, nor one that is not all there."""
     with path.open("rb") as stream:
+        if path.stat().st_size > 8 * MOST_NUMBERS + _CHUNK:  # so that its header is no longer either
+            raise InvalidInput(f"{path}: has more than {MOST_NUMBERS} numbers, the most that are read")
         try:
             version = np.lib.format.read_magic(stream)
             read_header = {
@@ -210,7 +237,9 @@ def _read_npy(path: Path) -> Array:
             if read_header is None:
                 raise InvalidInput(f"{path}: holds no plain numbers; save the points as float64, of shape (n, d)")
             shape, fortran, dtype = read_header(stream)
-        except (ValueError, EOFError) as error:
+        except InvalidInput:
+            raise
+        except Exception as error:  # what NumPy raises of a broken header, which is Python, is anything
             raise InvalidInput(f"{path}: is no .npy file; write one with numpy.save(file, points)") from error
         if dtype.kind not in "fiu" or dtype.itemsize > 8:
             raise InvalidInput(f"{path}: holds {dtype}, not float64; save points.astype(float)")
@@ -220,6 +249,7 @@ def _read_npy(path: Path) -> Array:
         needed = shape[0] * shape[1] * dtype.itemsize
         if here < needed:
             raise InvalidInput(f"{path}: is cut off: {here} of {needed} bytes are there; write it again")
+        _check_count(str(path), *shape)
         stored = np.fromfile(stream, dtype, shape[0] * shape[1])
     values = stored.reshape(shape[::-1]).T if fortran else stored.reshape(shape)
     points = np.ascontiguousarray(values, dtype=np.float64)

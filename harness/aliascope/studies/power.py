@@ -2,7 +2,7 @@
 
 Both are measured, with the limits of the whole suite: repetitions of runs in which nothing changed (`power_null`), the
 same pictures by other instructions of the processor (`power_machines`), and defects put in on purpose
-(`power_defects`). What was rendered is kept in the output folder, so that a second run is quick.
+(`power_defects`). What was rendered is kept in a cache (`caches`), so that a second run is quick.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from aliascope import places, renderers, scene_io
+from aliascope import caches, places, renderers, scene_io
 from aliascope.errors import InvalidInput, NotAvailable
 from aliascope.native import samplers
 from aliascope.references import files as reference_files
@@ -180,7 +180,7 @@ class _Study:
 
     @property
     def kept(self) -> Kept:
-        return Kept(self.asked.folder / "kept")
+        return Kept(caches.folder("power"))
 
     def target(self, cell: Cell) -> Target:
         """What its pictures should be, loaded once."""
@@ -194,15 +194,23 @@ class _Study:
     def results(self, work: Sequence[_Work], what: str, others: Workers | None = None) -> list[Any]:
         """Those of all tasks, what is kept or else done now and then kept. `others`: the
         processes that do it all, in place of the study's own."""
-        missing = [each for each in work if not self.kept.has(each.key)]
+        found = [self.kept.get(each.key) for each in work]
+        missing = [number for number, each in enumerate(found) if each is None]
         begun: list[Task[Any]] = [
-            (others or self.workers).begin(each.task, each.arguments, self.asked.time_limit) for each in missing
+            (others or self.workers).begin(
+                work[number].task,
+                work[number].arguments,
+                self.asked.time_limit,
+                {"part": what, "cell": work[number].cell.name.text},
+            )
+            for number in missing
         ]
-        for number, (each, task) in enumerate(zip(missing, begun, strict=True)):
-            self.tell(f"{what}: {each.cell.name.text}", number, len(missing))
-            self.kept.put(each.key, task.result())
+        for done, (number, task) in enumerate(zip(missing, begun, strict=True)):
+            self.tell(f"{what}: {work[number].cell.name.text}", done, len(missing))
+            found[number] = task.result()
+            self.kept.put(work[number].key, found[number])
         self.tell(None, len(missing), len(missing))
-        return [self.kept.get(each.key) for each in work]
+        return found
 
     def base(self) -> dict[CellName, Observed]:
         """All cells with the draws of the suite."""

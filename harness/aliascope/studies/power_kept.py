@@ -1,4 +1,4 @@
-"""What `make power` has rendered before, on disk: a file for each key, the study's own alone."""
+"""What `make power` has rendered before, in a cache: a file for each key, the study's own alone."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from aliascope.errors import NotWritable
+from aliascope import caches
 
 
 @dataclass(frozen=True)
@@ -16,27 +16,17 @@ class Kept:
 
     folder: Path
 
-    def has(self, key: str) -> bool:
-        return self._path(key).is_file()
-
     def get(self, key: str) -> Any | None:
         """What is kept under a key, or None."""
-        if not self.has(key):
+        data = caches.read(self._path(key))
+        try:
+            return None if data is None else pickle.loads(data)
+        except (pickle.UnpicklingError, EOFError):  # not what was written: it is made again
             return None
-        with self._path(key).open("rb") as file:
-            return pickle.load(file)
 
     def put(self, key: str, contents: Any) -> None:
         """Keeps it, whole or not at all. Raises NotWritable."""
-        path = self._path(key)
-        part = path.with_suffix(".part")
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            with part.open("wb") as file:
-                pickle.dump(contents, file)
-            part.replace(path)
-        except OSError as error:
-            raise NotWritable(f"{path}: cannot be written: {error.strerror}") from error
+        caches.write(self._path(key), pickle.dumps(contents))
 
     def _path(self, key: str) -> Path:
         return self.folder / f"{key}.pickle"

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import beta
 
+from aliascope.errors import JobFailed
 from aliascope.regression.records import Blessed, Check, Observed
 from aliascope.regression.verdict import Chances, judge
 from aliascope.studies.power_kept import Kept
@@ -75,4 +76,7 @@ def repeated(folder: Path, keys: Sequence[str], chances: Chances, replicates: in
 def _pools(folder: Path, keys: tuple[str, ...]) -> list[Pool]:
     """Loaded once a process."""
     found = [Kept(folder).get(key) for key in keys]
-    return [pool for pool in found if isinstance(pool, Pool)]
+    pools = [pool for pool in found if isinstance(pool, Pool)]
+    if len(pools) != len(keys):
+        raise JobFailed(f"{folder}: was emptied while it was in use; run the command again")
+    return pools

@@ -11,6 +11,7 @@ from typing import Any
 from aliascope import places, renderers
 from aliascope.regression.defects import DEFECTS
 from aliascope.regression.verdict import SHARES
+from aliascope.sharing import records_shared
 from aliascope.studies.power import MOST_ALARMS, Answer
 from aliascope.studies.power_caught import Caught
 from aliascope.studies.power_machines import INSTRUCTIONS, VECTOR_BITS
@@ -173,5 +174,5 @@ def document(answer: Answer) -> dict[str, Any]:
 
 def write(folder: Path, answer: Answer) -> Path:
     """power.json, and power.md, whose path is given. Raises NotWritable."""
-    write_text(folder / "power.json", json.dumps(document(answer), indent=1, allow_nan=False) + "\n")
+    write_text(folder / "power.json", json.dumps(records_shared(document(answer)), indent=1, allow_nan=False) + "\n")
     return write_text(folder / "power.md", markdown(answer))

@@ -22,7 +22,7 @@ from aliascope.pipeline import Options, Progress
 from aliascope.records import Outcome, Probe, ProbeLimits
 from aliascope.renderers.base import Renderer, Request
 from aliascope.store import Store
-from aliascope.workers import Workers
+from aliascope.workers import Pool
 
 LIMITS = ProbeLimits(centre=0.01, response=1e-4)
 SIZE = 48
@@ -105,11 +105,11 @@ def of_those_that_drew(
     store: Store,
     options: Options,
     progress: Progress,
-    workers: Workers,
+    workers: Pool | None,
 ) -> tuple[Probe, ...]:
     """What holds of each renderer that took part: from the store, where it was measured of this version, else measured
     and kept. A renderer that is not there or made no picture is not probed, and one whose probe fails stops nothing:
-    the reason is in their place. They come first, then what does not hold."""
+    the reason is in their place. They come first, then what does not hold. Without `workers` nothing is measured."""
     drew: dict[str, bool] = {}
     for outcome in outcomes:
         name = outcome.job.renderer
@@ -120,10 +120,13 @@ def of_those_that_drew(
     keys = {name: _key(renderers.find(name)) for name in wanted}
     kept = {name: store.probe(key) for name, key in keys.items()}
     begun = {
-        name: workers.begin(_task, [name, options.time_limit], options.time_limit)
+        name: workers.begin(_task, [name, options.time_limit], options.time_limit, {"probe": name})
         for name in wanted
-        if kept[name] is None
+        if kept[name] is None and workers is not None
     }
+    for name in wanted:
+        if kept[name] is None and workers is None:
+            kept[name] = _without(name, "interrupted before it was probed")
     for count, (name, task) in enumerate(begun.items()):
         progress(f"probing {name}", count, len(begun))
         try:

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from aliascope import logs
 from aliascope.records import Job
 
 
@@ -23,7 +24,9 @@ def progress_bar() -> Iterator[Callable[[Job | str | None, int, int], None]]:
         TimeRemainingColumn(),
         TextColumn("{task.description}", markup=False),
     )
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal or not logs.has_room_for_progress()
+    ) as bar:
         task = bar.add_task("", total=None)
 
         def tell(what: Job | str | None, done: int, total: int) -> None:

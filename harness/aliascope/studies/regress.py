@@ -18,12 +18,13 @@ from aliascope.errors import CheckFailed, NotAvailable
 from aliascope.native import samplers
 from aliascope.references import files as reference_files
 from aliascope.regression import blessed as blessed_files
-from aliascope.regression import commands, defects
+from aliascope.regression import commands
 from aliascope.regression.commands import Setting
 from aliascope.regression.observe import Target
 from aliascope.regression.records import Blessed, CellName, CellVerdict, Check, Control, Observed, Run
 from aliascope.regression.verdict import SIGNIFICANCE, Chances, Tests, count, judge, mismatch, shared
 from aliascope.renderers.base import filter_of
+from aliascope.sharing import records_shared
 from aliascope.studies import regress_suite, selection
 from aliascope.studies.regress_render import Problem as Problem
 from aliascope.studies.regress_render import Tell as Tell
@@ -102,7 +103,7 @@ def observe(asked: Asked, tell: Tell) -> Seen:
         work += [
             Work(cell, defect.name, target)
             for cell in regress_suite.controls_of(cells)
-            for defect in defects.CONTROLS
+            for defect in regress_suite.controls_in(cell)
             if isinstance(target := targets[cell.name], Target)
         ]
     made = rendered(work, asked.processes, asked.time_limit, versions, tell)
@@ -130,18 +131,19 @@ def observe(asked: Asked, tell: Tell) -> Seen:
 
 def _renderers(asked: Asked) -> tuple[list[str], dict[str, str], dict[str, Mapping[str, str]]]:
     """Those that take part, those that are not there with the reason, and versions."""
+    words, needed = renderers.named(asked.renderers), renderers.named(asked.required)
     known = list(renderers.RENDERERS)
-    plan.matching(asked.required, known, "renderer")
-    chosen = plan.matching(asked.renderers, known, "renderer") if asked.renderers else known
+    required = plan.matching(needed, known, "renderer")
+    chosen = plan.matching(words, known, "renderer") if words else known
     names, skipped, versions = [], {}, {}
     for name in known:
-        if name not in chosen and name not in asked.required:
+        if name not in chosen and name not in required:
             continue
         try:
             versions[name] = renderers.find(name).versions()
             names.append(name)
         except NotAvailable as error:
-            if name in asked.required:
+            if name in required:
                 raise
             skipped[name] = str(error)
     if not names:
@@ -185,7 +187,7 @@ def judged(seen: Seen) -> Run:
     chances = shared(tests, seen.asked.significance)
     cells = tuple(_verdict(cell, seen, kept, chances) for cell in seen.cells)
     plain = {cell.name: cell.checks for cell in cells}
-    return Run(
+    run = Run(
         started=seen.started,
         wall_seconds=seen.wall_seconds,
         revision=places.revision(),
@@ -200,6 +202,7 @@ def judged(seen: Seen) -> Run:
         empty=seen.empty,
         skipped=seen.skipped,
     )
+    return records_shared(run)
 
 
 def _plugins() -> dict[str, str]:
@@ -239,7 +242,8 @@ def _kept(seen: Seen) -> _Kept:
 
 
 def _setting(seen: Seen) -> Setting:
-    return Setting(seen.asked.references, seen.asked.options)
+    words = {cell.name.renderer: renderers.word_of(cell.name.renderer) for cell in seen.cells}
+    return Setting(seen.asked.references, seen.asked.options, words)
 
 
 def _verdict(cell: Cell, seen: Seen, kept: _Kept, chances: Chances) -> CellVerdict:

@@ -75,8 +75,16 @@ def rendered(
         for number in sorted(range(len(work)), key=lambda number: -_weight(work[number])):
             each = work[number]
             name, more = each.cell.name, [each.target, each.defect, time_limit]
+            about = {"scene": name.scene, "renderer": name.renderer, "mode": name.mode}
+            if each.defect:
+                about["defect"] = each.defect
             begun[number] = [
-                workers.begin(render_part, [each.cell.file, name.renderer, name.mode, draws, *more], time_limit)
+                workers.begin(
+                    render_part,
+                    [each.cell.file, name.renderer, name.mode, draws, *more],
+                    time_limit,
+                    {**about, "draws": len(draws)},
+                )
                 for draws in _shares(each)
             ]
         seen: dict[int, Observed | Problem] = {}

@@ -12,6 +12,7 @@ import numpy as np
 from aliascope import plan, renderers
 from aliascope.errors import InvalidInput, SpecError, near_misses
 from aliascope.model import Scene
+from aliascope.regression.defects import CONTROLS, Defect
 from aliascope.regression.records import CellName, Draw, Judged
 from aliascope.renderers.base import Renderer, lacks
 from aliascope.scene_io import SceneFile
@@ -106,9 +107,10 @@ class Cell:
     draws: tuple[Draw, ...]
 
 
-def judged_by(mode: Spec) -> Judged:
-    """The reference judges modes whose mean over seeds is the integral; what else there is has a bias by design."""
-    if mode.name not in ("uniform", "accumulate"):
+def judged_by(renderer: str, mode: Spec) -> Judged:
+    """The reference judges modes whose mean over seeds is the integral; what else there is has a bias by design. Of a
+    renderer that is none of ours nobody knows: it is held to what was blessed."""
+    if renderer not in SUITE or mode.name not in ("uniform", "accumulate"):
         return "blessed"
     name, pairs = split(mode.word("sampler"))
     scramble = pairs.pop("scramble", "")
@@ -129,11 +131,18 @@ def kind_of(scene: Scene) -> str:
     return "gloss" if kind in ("plain", "heavy") and scene.needs().gloss else kind
 
 
+def suite_of(renderer: Renderer) -> Mapping[str, tuple[str, ...]]:
+    """The modes of the suite by kind of scene; of a renderer that is none of ours its quick profile, for all."""
+    if renderer.name in SUITE:
+        return SUITE[renderer.name]
+    return dict.fromkeys(SUITE["embree"], renderers.of_profile(renderer, "quick"))
+
+
 def modes_of(renderer: str, scene: Scene, wanted: Sequence[str] = ()) -> list[Spec]:
     """The modes of a scene: those of the suite; or of the words of -m those with a wildcard chosen among these, others
     as they are where the renderer has them. Raises SpecError."""
     found = renderers.find(renderer)
-    own = {spec.text: spec for spec in (renderers.mode_of(found, text) for text in SUITE[renderer][kind_of(scene)])}
+    own = {spec.text: spec for spec in (renderers.mode_of(found, text) for text in suite_of(found)[kind_of(scene)])}
     if not wanted:
         return list(own.values())
     chosen: dict[str, Spec] = {}
@@ -150,7 +159,7 @@ def check_modes(names: Sequence[str], wanted: Sequence[str]) -> None:
     """Raises SpecError for a word of -m that chooses nothing in any of these renderers."""
     known = {name: renderers.find(name) for name in names}
     texts = {
-        name: {renderers.mode_of(known[name], mode).text for modes in SUITE[name].values() for mode in modes}
+        name: {renderers.mode_of(known[name], mode).text for modes in suite_of(known[name]).values() for mode in modes}
         for name in names
     }
     for text in wanted:
@@ -173,13 +182,20 @@ def cells_of(
             renderer = renderers.find(name)
             for spec in modes_of(name, file.scene, wanted):
                 cell = CellName(file.name, name, spec.text)
-                reason = lacks(renderer, file.scene, spec)
+                reason = lacks(renderer, file.scene, spec) or _undrawn(renderer, spec)
                 if reason:
                     empty.append((cell, reason))
                 else:
                     draws = draws_of(renderer, spec, replicates)
-                    cells.append(Cell(cell, file, spec, judged_by(spec), draws))
+                    cells.append(Cell(cell, file, spec, judged_by(name, spec), draws))
     return cells, empty
+
+
+def _undrawn(renderer: Renderer, mode: Spec) -> str | None:
+    """Why there is one picture of a mode, where there have to be several."""
+    if renderer.seeded(mode) or renderer.shifts:
+        return None
+    return "it has no seed, and its film cannot be moved: all its pictures are one (give it {seed}, or {shift.x})"
 
 
 def matching(patterns: Sequence[str], cells: Sequence[Cell]) -> set[str]:
@@ -203,7 +219,13 @@ def controls_of(cells: Sequence[Cell]) -> list[Cell]:
     for renderer in dict.fromkeys(cell.name.renderer for cell in cells):
         own = [cell for cell in cells if cell.name.renderer == renderer]
         own = [cell for cell in own if cell.name.scene == CONTROL_SCENE] or own
-        best = [renderers.mode_of(renderers.find(renderer), text).text for text in CONTROL_MODES[renderer]]
+        best = [renderers.mode_of(renderers.find(renderer), text).text for text in CONTROL_MODES.get(renderer, ())]
         telling = [cell for text in best for cell in own if cell.name.mode == text]
         chosen.append((telling or own)[0])
     return chosen
+
+
+def controls_in(cell: Cell) -> tuple[Defect, ...]:
+    """The controls that can be put into a cell: where the film cannot be moved, none is moved."""
+    moves = renderers.find(cell.name.renderer).shifts
+    return tuple(defect for defect in CONTROLS if moves or not defect.name.startswith("shift"))

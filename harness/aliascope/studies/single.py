@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from aliascope import api, image, jobs, metrics, pipeline, plan, references, renderers, scene_io
+from aliascope import api, image, jobs, metrics, pipeline, plan, references, renderers, scene_io, sharing
 from aliascope.draws import UNMOVED, text_of
 from aliascope.errors import InvalidInput, NotWritable
 from aliascope.native import filters
@@ -65,7 +65,7 @@ def render_file(
     height, width, _ = rendering.pixels.shape
     job = plan.make_job(
         scene=file.name,
-        scene_path=str(file.path),
+        scene_path=sharing.shared(str(file.path)),
         digest=file.scene.digest(),
         renderer=renderer,
         mode=spec.text,

@@ -211,7 +211,8 @@ def _measured(work: Sequence[_Work], asked: Asked, workers: Workers, tell: Tell)
 
 
 def _begun(workers: Workers, work: _Work, levels: Sequence[float], time_limit: float) -> Task[Cell]:
-    return workers.begin(running.run_named, [work.module, work.probe.name, tuple(levels)], time_limit)
+    arguments = [work.module, work.probe.name, tuple(levels)]
+    return workers.begin(running.run_named, arguments, time_limit, {"probe": work.probe.name, "levels": len(levels)})
 
 
 def _again(workers: Workers, work: _Work, time_limit: float) -> Cell:

@@ -11,6 +11,7 @@ from typing import Any
 
 from aliascope import places
 from aliascope.errors import NotWritable
+from aliascope.sharing import records_shared
 from aliascope.stability.extremes import EXTREMES
 from aliascope.stability.records import Cell, Reading
 from aliascope.studies import stability_page
@@ -191,6 +192,7 @@ def check_writable(folder: Path) -> None:
 
 def write(folder: Path, found: Map) -> Path:
     """Writes the page, stability.json, .csv and .md; returns the path of the page. Raises NotWritable."""
+    found = records_shared(found)
     write_text(folder / "stability.json", json.dumps(document(found), allow_nan=False, indent=1) + "\n")
     write_text(folder / "stability.csv", table_csv(found))
     write_text(folder / "stability.md", markdown(found))

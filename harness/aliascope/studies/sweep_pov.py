@@ -398,7 +398,9 @@ class PovProblem:
 
     def _begin(self, candidate: Candidate, size: tuple[int, int], last: float) -> Task[Drawn]:
         limit = max(0.05, last - time.monotonic())
-        return self._workers.begin(draw_until, [self._prepared.file, size, candidate, last], limit)
+        about = {"scene": self._prepared.file.path.name, "renderer": candidate.renderer, "mode": candidate.mode}
+        arguments = [self._prepared.file, size, candidate, last]
+        return self._workers.begin(draw_until, arguments, limit, {**about, "size": f"{size[0]}x{size[1]}"})
 
     def _rmse(self, pixels: Pixels, look: bool) -> float:
         judge = self._prepared.judge

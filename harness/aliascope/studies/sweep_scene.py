@@ -259,7 +259,10 @@ class SceneProblem:
         given = LARGEST_PATIENCE * min(max(0.05, last - time.monotonic()), 1e6)
         last = time.monotonic() + given
         return self._workers.begin(
-            render, [self._file, candidate, self._size, seed if seeded else 0, least, last], given
+            render,
+            [self._file, candidate, self._size, seed if seeded else 0, least, last],
+            given,
+            {"scene": self._file.name, "renderer": candidate.renderer, "mode": candidate.mode, "seed": seed},
         )
 
     def _kept(self, candidate: Candidate, rendering: Rendering, first: bool) -> Measured:

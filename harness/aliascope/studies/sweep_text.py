@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from aliascope import metrics, places, renderers
+from aliascope import metrics, places, renderers, sharing
 from aliascope.errors import NotWritable
 from aliascope.records import Estimate, ModeRow, ReportData, SceneSection
 from aliascope.renderers import povray_file
@@ -40,17 +39,18 @@ def command(swept: Swept, candidate: Candidate) -> str:
     if swept.is_pov:
         name = swept.asked.path.name
         words = ["povray", f"+I{name}", f"+W{width}", f"+H{height}"]
-        return " ".join([*map(shlex.quote, words), options(candidate)])
+        return " ".join([sharing.command_line(words), options(candidate)])
     words = ["aliascope", "render", str(swept.asked.path), "-r", candidate.renderer, "-m", candidate.mode]
-    return shlex.join([*words, "--size", f"{width}x{height}", "-o", "out.exr"])
+    return sharing.command_line([*words, "--size", f"{width}x{height}", "-o", "out.exr"])
 
 
 def ini(swept: Swept) -> str:
     """sweep.ini: a section for each setting. To be used in the scene's folder: `povray "DIR/sweep.ini[fast]"`."""
     width, height = swept.size
+    here = sharing.shell_word((swept.asked.folder / "sweep.ini").absolute())
     lines = [
         f"; {swept.asked.path.name}: settings found by aliascope sweep, {width}x{height}",
-        f'; In the folder of the scene: povray "{(swept.asked.folder / "sweep.ini").absolute()}[balanced]"',
+        f'; In the folder of the scene: povray {here}"[balanced]"',
         f'Input_File_Name="{swept.asked.path.name}"',
         f"Width={width}",
         f"Height={height}",

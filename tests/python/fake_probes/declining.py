@@ -19,6 +19,6 @@ def _not_there(at: float) -> float:
 
 def probes() -> list[Probe]:
     return [
-        probe("careful", _no_more_than_a_thousand),
+        probe("careful", _no_more_than_a_thousand, refuses_from=1e6),
         probe("osmesa", _not_there, kind="renderer", extreme="far", excused=True),
     ]

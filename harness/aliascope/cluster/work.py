@@ -1,0 +1,210 @@
+"""What a worker says of itself, and how it does a job."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import pickle
+import socket
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from aliascope import calibration, jobs, logs, places, renderers
+from aliascope.errors import AliascopeError, JobFailed, NotAvailable, Unsupported
+from aliascope.native import samplers
+from aliascope.pipeline import Options, Timed, render_job
+from aliascope.records import Job, Machine
+from aliascope.scene_io import SceneFile
+from aliascope.workers import Workers
+
+ANY = "aliascope"
+"""The resource that every worker of ours has."""
+
+BOOT = Path("/proc/sys/kernel/random/boot_id")
+
+
+@dataclass(frozen=True)
+class About:
+    """What a worker says of itself. versions: of each renderer, and of the code that pictures depend on, without and
+    with the library of samplers; absent: why it has not the others."""
+
+    machine: Machine
+    versions: Mapping[str, Mapping[str, Mapping[str, str]]]
+    absent: Mapping[str, str]
+
+    def resources(self) -> dict[str, float]:
+        """What the scheduler is told that it can do, once at a time."""
+        kinds = [resource(name, kind) for name, both in self.versions.items() for kind in both.values()]
+        return dict.fromkeys([ANY, *self.versions, *kinds], 1.0)
+
+
+def resource(renderer: str, versions: Mapping[str, str]) -> str:
+    """The name of the resource that renders with these versions."""
+    return f"{renderer} {hashlib.sha256(json.dumps(dict(versions), sort_keys=True).encode()).hexdigest()[:16]}"
+
+
+def kind_of(with_samplers: bool) -> str:
+    return "with samplers" if with_samplers else "without samplers"
+
+
+@functools.cache
+def machine() -> Machine:
+    """This one."""
+    told, name = places.machine(), socket.gethostname()
+    try:
+        identity = BOOT.read_text().strip()
+    except OSError:
+        identity = name
+    return Machine(name, told["processor"], told["cores"], identity)
+
+
+def about(without: Sequence[str] = ()) -> About:
+    """What this process can draw with: our renderers, those of packages, and those of files that were added, `without`
+    some. Raises InvalidInput for a name among these that there is not."""
+    versions: dict[str, dict[str, dict[str, str]]] = {}
+    absent = {renderers.find(name).name: "its worker was started without it" for name in without}
+    for name in dict.fromkeys([*renderers.RENDERERS, *renderers.plugged_in()]):
+        if name in absent:
+            continue
+        try:
+            own = dict(renderers.find(name).versions())
+        except (AliascopeError, OSError) as error:
+            absent[name] = str(error)
+            continue
+        versions[name] = {kind_of(each): {**own, "code": jobs.code_of_kind(name, each)} for each in (False, True)}
+    return About(machine(), versions, absent)
+
+
+def document(said: About) -> dict[str, Any]:
+    """As the scheduler keeps it."""
+    return {"machine": asdict(said.machine), "versions": dict(said.versions), "absent": dict(said.absent)}
+
+
+def of_document(said: Mapping[str, Any]) -> About:
+    return About(Machine(**said["machine"]), said["versions"], said["absent"])
+
+
+@dataclass(frozen=True)
+class Sent:
+    """A job on its way. versions: what its worker has to have; packed scenes and plugins are kept by their hashes."""
+
+    job: Job
+    options: Options
+    with_samplers: bool
+    versions: Mapping[str, str]
+    limit: float
+
+
+@dataclass(frozen=True)
+class SentPlugin:
+    """A plugin, by what its file holds: where it lies on the machine that sends it does not matter."""
+
+    name: str
+    sha256: str
+    contents: bytes
+
+
+class OtherVersions(JobFailed):
+    """A worker that would draw another picture than the job's key says."""
+
+
+def hold(packed: bytes) -> bytes:
+    """What is sent once to a worker, and stays with it as long as a job may need it. Runs on a worker."""
+    return packed
+
+
+def perform(scene: bytes, plugins: Sequence[bytes], packed: bytes) -> bytes:
+    """Does a job in a process of its own; gives the packed logs.Answer, of Timed or an error of ours. Runs on a worker,
+    which does one at a time."""
+    return pickle.dumps(logs.there(_performed, scene, tuple(plugins), packed), protocol=pickle.HIGHEST_PROTOCOL)
+
+
+def _performed(scene: bytes, plugins: tuple[bytes, ...], packed: bytes) -> Timed:
+    sent: Sent = pickle.loads(packed)
+    _check(sent)
+    arguments = [hashlib.sha256(scene).hexdigest(), scene, sent.job, sent.options]
+    return replace(_pool(plugins).begin(_render, arguments, sent.limit).result(), machine=machine())
+
+
+_left_out: set[str] = set()
+
+
+def leave_out(names: Sequence[str]) -> None:
+    """This process does no jobs of these renderers."""
+    _left_out.update(names)
+
+
+def _check(sent: Sent) -> None:
+    """Whether this worker says that it can do the job; the scheduler sends no others. Raises OtherVersions."""
+    name = sent.job.renderer
+    if name in _left_out:
+        raise OtherVersions(f"{machine().name} draws nothing with {name}")
+    own = {**_own_versions(name), "code": jobs.code_of_kind(name, sent.with_samplers)}
+    if own != dict(sent.versions):
+        raise OtherVersions(f"{machine().name} has {difference(own, sent.versions)}")
+
+
+@functools.cache
+def _own_versions(renderer: str) -> Mapping[str, str]:
+    return renderers.find(renderer).versions()
+
+
+def difference(own: Mapping[str, str], wanted: Mapping[str, str]) -> str:
+    """What a worker has of other versions than are wanted, in words."""
+    names = [name for name in {**own, **wanted} if own.get(name) != wanted.get(name)]
+    told = (f"{name} {own.get(name, 'not at all')} where {wanted.get(name, 'none')} is wanted" for name in names)
+    return ", ".join("other code of ours" if name == "code" else text for name, text in zip(names, told, strict=True))
+
+
+_pools: dict[tuple[str, ...], Workers] = {}
+_folders: list[tempfile.TemporaryDirectory[str]] = []
+
+
+def _pool(plugins: tuple[bytes, ...]) -> Workers:
+    """The process that does the jobs with these plugins: a plugin, once loaded, stays, so others have another."""
+    sent: list[SentPlugin] = [pickle.loads(each) for each in plugins]
+    key = tuple(each.sha256 for each in sent)
+    if key not in _pools:
+        for other in list(_pools):
+            _pools.pop(other).__exit__(None, None, None)
+        _pools[key] = Workers(1, plugins=[str(_written(each)) for each in sent]).__enter__()
+    return _pools[key]
+
+
+def _written(plugin: SentPlugin) -> Path:
+    if hashlib.sha256(plugin.contents).hexdigest() != plugin.sha256:
+        raise Unsupported(f"the plugin {plugin.name} did not arrive as it was sent")
+    if not _folders:
+        _folders.append(tempfile.TemporaryDirectory(prefix="aliascope-plugins-"))
+    path = Path(_folders[0].name) / plugin.sha256 / Path(plugin.name).name
+    path.parent.mkdir(exist_ok=True)
+    path.write_bytes(plugin.contents)
+    return path
+
+
+def plugins_sent() -> list[SentPlugin]:
+    """Those that are loaded here."""
+    try:
+        return [SentPlugin(Path(p.path).name, p.sha256, Path(p.path).read_bytes()) for p in samplers.plugins()]
+    except OSError as error:
+        raise NotAvailable(f"{error.filename}: cannot be read: {error.strerror}") from error
+
+
+# --- in the process that renders --------------------------------------------------------------------------------------
+
+_scene: tuple[str, SceneFile] | None = None
+_rendered = 0
+
+
+def _render(digest: str, packed: bytes, job: Job, options: Options) -> Timed:
+    """The picture of a job; before every few of them, the fixed job of calibration."""
+    global _scene, _rendered
+    if _scene is None or _scene[0] != digest:
+        _scene = digest, pickle.loads(packed)
+    beats = (calibration.beat(),) if _rendered % calibration.EVERY == 0 else ()
+    _rendered += 1
+    return replace(render_job(_scene[1], job, options), beats=beats)
