@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import sys
 import threading
+from collections.abc import Iterator
 from types import FrameType, TracebackType
 
 ENDED = 130
@@ -20,12 +22,14 @@ class Interrupts:
     def __init__(self) -> None:
         self.pressed = 0
         self._held = self._there = False
+        self._hook = sys.unraisablehook
 
     def __enter__(self) -> Interrupts:
         main = threading.current_thread() is threading.main_thread()
         self._there = main and signal.getsignal(signal.SIGINT) is signal.default_int_handler
         if self._there:
             signal.signal(signal.SIGINT, self._heard)
+            self._hook, sys.unraisablehook = sys.unraisablehook, self._unraisable
         return self
 
     def __exit__(
@@ -33,6 +37,7 @@ class Interrupts:
     ) -> None:
         if self._there:
             signal.signal(signal.SIGINT, signal.default_int_handler)
+            sys.unraisablehook = self._hook
 
     def hold(self) -> None:
         """What is done from here on is done to its end: Ctrl-C is counted, and raises nothing."""
@@ -43,6 +48,11 @@ class Interrupts:
         if self.pressed and not self._held:
             raise KeyboardInterrupt
 
+    def _unraisable(self, lost: sys.UnraisableHookArgs) -> None:
+        """Tells what a finaliser could not raise, but for Ctrl-C, which `check` raises later."""
+        if not isinstance(lost.exc_value, KeyboardInterrupt):
+            self._hook(lost)
+
     def _heard(self, number: int, frame: FrameType | None) -> None:
         self.pressed += 1
         if self.pressed > 1:
@@ -50,3 +60,25 @@ class Interrupts:
             os.write(2, cursor + b"aliascope: interrupted twice: ended at once; what was finished is kept\n")
             os._exit(ENDED)
         self.check()
+
+
+@contextlib.contextmanager
+def deferred() -> Iterator[None]:
+    """Ctrl-C is heard when this is left, for what must not be done by halves. Processes and threads that begin in it
+    do not hear of Ctrl-C; to block the signal is for them, and not enough for this thread: Python handles in its main
+    thread what any thread of a library was given."""
+    handler = signal.getsignal(signal.SIGINT)
+    pressed: list[FrameType | None] = []
+    here = callable(handler) and threading.current_thread() is threading.main_thread()
+    if here:
+        signal.signal(signal.SIGINT, lambda _, frame: pressed.append(frame))
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if here:
+            signal.signal(signal.SIGINT, handler)
+    if callable(handler):
+        for frame in pressed:
+            handler(signal.SIGINT, frame)

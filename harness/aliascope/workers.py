@@ -22,6 +22,7 @@ from pebble.pool.base_pool import PoolStatus
 
 from aliascope import at_start, logs
 from aliascope.errors import JobFailed
+from aliascope.interrupts import deferred
 from aliascope.native import samplers
 
 Result = TypeVar("Result")
@@ -216,8 +217,13 @@ class Workers:
         self._stop()
 
     def _stop(self) -> None:
+        # Pebble removes the names of the semaphores before it ends the processes: one that begins right then would
+        # look for them, and complain.
+        channel = self._pool._pool_manager.worker_manager.workers_channel
+        names = None if channel is None else (channel.mutex.reader_mutex, channel.mutex.writer_mutex)
         self._pool.stop()
         self._pool.join()
+        del names
 
     def begin(
         self, task: Callable[..., Result], arguments: Sequence[Any], time_limit: float, about: logs.About | None = None
@@ -246,13 +252,9 @@ class Workers:
                 raise JobFailed(_NONE_LIVES)
             self._stop()
             self._pool = self._new_pool()
-        # The threads of the pool, which begin here, start the processes: neither they nor these hear of Ctrl-C, which
-        # is the parent's to handle, not even while they begin.
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        try:
+        # The threads of the pool begin here, and start the processes: Ctrl-C is the parent's to handle.
+        with deferred():
             future: Future[logs.Answer] = self._pool.schedule(logs.there, args=[task, *arguments], timeout=limit)
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         future.add_done_callback(self._ended)
         return future
 

@@ -8,6 +8,7 @@ import itertools
 import os
 import re
 import signal
+import sys
 import time
 from collections.abc import Callable
 from functools import partial
@@ -32,6 +33,7 @@ from killed_compares import (
 )
 
 from aliascope.folder_lock import locked
+from aliascope.interrupts import Interrupts, deferred
 
 
 def pausing(target: str, number: int, marker: Path) -> Callable[[], object]:
@@ -151,9 +153,15 @@ def _refuses_others(folder: Path, process: BaseProcess) -> None:
         assert "is writing there: wait for it, or choose another folder with -o" in line
 
 
-def test_ctrl_c_while_the_workers_begin_leaves_no_traceback(tmp_path: Path) -> None:
+def slow_to_end_workers() -> None:
+    """Those that begin have the time to look for what they share with a pool that is stopped."""
+    _before("pebble.pool.process.stop_process", lambda _: time.sleep(1.0))
+
+
+@pytest.mark.parametrize("prepare", [bool, slow_to_end_workers])
+def test_ctrl_c_while_the_workers_begin_leaves_no_traceback(tmp_path: Path, prepare: Callable[[], object]) -> None:
     folder = tmp_path / "out"
-    with started(folder) as process:
+    with started(folder, prepare=prepare) as process:
         until(lambda: workers_of(process.pid or 0), process)
         press(process)
         assert ended(process) == 130
@@ -210,3 +218,50 @@ def test_a_lock_ends_with_its_process(tmp_path: Path) -> None:
     with locked(tmp_path):
         assert (tmp_path / ".lock").read_text().startswith(f"{os.getpid()} ")
     assert (tmp_path / ".lock").read_text() == ""
+
+
+def test_ctrl_c_that_a_finaliser_has_to_lose_is_heard_later_without_a_word(monkeypatch: pytest.MonkeyPatch) -> None:
+    lost: list[object] = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda args: lost.append(args.exc_value))
+
+    class Pressing:
+        def __del__(self) -> None:
+            os.kill(os.getpid(), signal.SIGINT)
+            signal.sigpending()  # handlers run between steps of Python
+
+    class Wrong:
+        def __del__(self) -> None:
+            raise ValueError("lost")
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with Interrupts() as interrupts:
+            one = Pressing()
+            del one
+            assert (interrupts.pressed, lost) == (1, [])
+            with pytest.raises(KeyboardInterrupt):
+                interrupts.check()
+            two = Wrong()
+            del two
+        assert [str(each) for each in lost] == ["lost"]
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_ctrl_c_while_it_is_deferred_is_heard_at_the_end() -> None:
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    done = []
+
+    def press_within() -> None:
+        with deferred():
+            os.kill(os.getpid(), signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)
+            done.append("to its end")
+
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            press_within()
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert done == ["to its end"]
