@@ -1,7 +1,9 @@
 /* The weightings there are, what is checked for all of them, and their sum of 1. */
 #include "aliascope/uneven.h"
 
+#include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "spec.h"
@@ -90,17 +92,47 @@ static asc_status check_samples(const asc_samples *samples, asc_error *error) {
   return ASC_OK;
 }
 
-/* Divides by the sum, which keeps what each addition loses (Knuth's two-sum): about 106 digits, so that the order of
- * the samples does not show, and the weights add up to 1 within their own rounding. */
-static asc_status normalise(const asc_samples *samples, double *weights, asc_error *error) {
-  double sum = 0.0, lost = 0.0;
-  for (size_t i = 0; i < samples->count; i++) {
+static int by_size(const void *a, const void *b) {
+  const double left = *(const double *)a, right = *(const double *)b;
+  return (left > right) - (left < right);
+}
+
+/* The sum, with what each addition loses (Knuth's two-sum): about 106 digits. `sure`: whether it is rounded the same in
+ * any order of the weights. */
+static double compensated_sum(const double *weights, size_t count, int *sure) {
+  double sum = 0.0, lost = 0.0, size = 0.0;
+  for (size_t i = 0; i < count; i++) {
     const double before = sum, added = weights[i];
     sum += added;
     const double from_added = sum - before;
     lost += (before - (sum - from_added)) + (added - from_added);
+    size += fabs(added);
   }
-  sum += lost;
+  /* Four times what the roundings of `lost` come to: so much that sums in two orders, one of them sure, are equal. */
+  const double slack = 2.0 * DBL_EPSILON * DBL_EPSILON * (double)count * (double)count * size;
+  *sure = sum + (lost - slack) == sum + (lost + slack);
+  return sum + lost;
+}
+
+/* As they are added up in one order, whatever theirs is. */
+static asc_status sum_of(const double *weights, size_t count, double *sum) {
+  int sure;
+  *sum = compensated_sum(weights, count, &sure);
+  if (sure) return ASC_OK;
+  double *sorted = malloc(count * sizeof *sorted);
+  if (!sorted) return ASC_OUT_OF_MEMORY;
+  memcpy(sorted, weights, count * sizeof *sorted);
+  qsort(sorted, count, sizeof *sorted, by_size);
+  *sum = compensated_sum(sorted, count, &sure);
+  free(sorted);
+  return ASC_OK;
+}
+
+/* Divides by the sum, so that the weights add up to 1 within their own rounding. */
+static asc_status normalise(const asc_samples *samples, double *weights, asc_error *error) {
+  double sum;
+  asc_status status = sum_of(weights, samples->count, &sum);
+  if (status) return asc_fail(error, status, "%s", asc_status_text(status));
   if (!(sum > 0.0 && isfinite(1.0 / sum)))
     return asc_fail(error, ASC_NUMERIC, "the filter at these samples adds up to %g: they have no average under it",
                     sum);

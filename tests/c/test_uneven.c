@@ -191,6 +191,35 @@ static void the_order_of_the_samples_does_not_matter(void **state) {
     }
 }
 
+/* Areas with a sum so near the middle between two doubles that the order of its terms decides between them (found by
+ * fuzz_filter): four samples, then one and its copies. */
+static void a_sum_between_two_doubles_has_one_side(void **state) {
+  (void)state;
+  const size_t count = 22, alone = 6;
+  const double at[2 * 7] = {0.0,
+                            -0x1.fffff5p-2,
+                            0x1.8383838383838p-2,
+                            0x1.9595959595958p-3,
+                            -0.5,
+                            -0.5,
+                            0x1.ffffffffffffep-2,
+                            -0x1.cbcbcbcbcbcbdp-2,
+                            -0x1.ffffffffffff6p-2,
+                            -0.5,
+                            -0x1.ffffffffffff6p-2,
+                            0x1.ffffffffffffep-2,
+                            -0.5,
+                            0x1.ffffffffffffep-2};
+  double others[2 * 22], moved[22];
+  for (size_t i = 0; i < count; i++) memcpy(points + 2 * i, at + 2 * (i < alone ? i : alone), 2 * sizeof *points);
+  assert_int_equal(weigh("area", NULL, points, count, weights, NULL), ASC_OK);
+  for (size_t by = 1; by < count; by++) {
+    for (size_t i = 0; i < count; i++) memcpy(others + 2 * ((i + by) % count), points + 2 * i, 2 * sizeof *points);
+    assert_int_equal(weigh("area", NULL, others, count, moved, NULL), ASC_OK);
+    for (size_t i = 0; i < count; i++) assert_true(moved[(i + by) % count] == weights[i]);
+  }
+}
+
 static void assert_refused(const char *spec, const char *filter, const double *at, size_t count, asc_status status,
                            const char *text) {
   asc_error error = {{0}};
@@ -288,6 +317,7 @@ int main(void) {
       cmocka_unit_test(weights_add_up_to_one_wherever_the_samples_are),
       cmocka_unit_test(cells_fill_the_bounds),
       cmocka_unit_test(the_order_of_the_samples_does_not_matter),
+      cmocka_unit_test(a_sum_between_two_doubles_has_one_side),
       cmocka_unit_test(what_cannot_be_weighted_is_refused),
       cmocka_unit_test(close_samples_keep_their_line),
       cmocka_unit_test(cells_of_samples_within_a_step_fill_the_bounds),

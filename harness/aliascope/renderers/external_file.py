@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -182,7 +183,10 @@ def _placeholder_problems(name: str, mode: Mode, used: Sequence[str]) -> Iterato
 def _regular(pattern: str, groups: Sequence[str]) -> str | None:
     """What is wrong with a regular expression that has one of these groups, or any one where there are none."""
     try:
-        found = re.compile(pattern)
+        with warnings.catch_warnings(action="error"):  # of what another Python takes otherwise
+            found = re.compile(pattern)
+    except Warning as warning:
+        return f"is ambiguous: {warning}; escape what is meant as it is"
     except (re.error, OverflowError, RecursionError) as error:
         return f"is no regular expression: {error}"
     if groups and len(set(groups) & set(found.groupindex)) != 1:
