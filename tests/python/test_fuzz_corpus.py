@@ -79,7 +79,7 @@ def test_a_regular_expression_that_python_cannot_take_is_refused(pattern: str) -
 
 def test_a_regular_expression_that_another_python_reads_otherwise_is_refused() -> None:
     problem = external_file._regular("(?P<s>[0-9--])", ("s",))
-    assert problem == "is ambiguous: Possible set difference at position 11; escape what is meant as it is"
+    assert problem == "is ambiguous: Possible set difference at position 10; escape what is meant as it is"
 
 
 def test_a_header_of_npy_that_does_not_end_is_refused(tmp_path: Path) -> None:
