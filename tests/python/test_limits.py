@@ -129,6 +129,32 @@ def test_what_is_seen_from_its_very_edge_is_no_matter() -> None:
     for surface in (floor, {"type": "plane", "point": (0, 0, 0), "normal": (0, 1, 1e-17)}):
         assert limits.beyond("povray", flat(surface), False) is None
 
+    vast = ((-1e14, 0, -1e14), (1e14, 0, -1e14), (1e14, 1e-2, 1e14), (-1e14, 1e-2, 1e14))
+    assert limits.beyond("povray", flat({"type": "polygon", "points": vast}), False) is None
+
+
+def test_faces_at_an_angle_are_told_apart_but_where_they_cross() -> None:
+    leaning = {"type": "polygon", "points": ((-0.5, -0.5, 1e-7), (0.5, -0.5, 1e-7), (0.5, 0.5, 1e-3))}
+    assert limits.beyond("osmesa", flat(square(0.0), leaning), False) is None
+
+
+def test_only_what_light_can_show_has_shadows() -> None:
+    light = {"type": "directional", "direction": (0, 0, -1), "intensity": (1, 1, 1)}
+    for albedo, lights, refused in ((0.5, (light,), True), (0.5, (), False), (0.0, (light,), False)):
+        said = flat({"type": "sphere", "centre": (0, 0, 0), "radius": 1e-3}, eye=(0, 0, 0.02), height=0.01)
+        scene = Scene.model_validate(
+            {**said.model_dump(), "materials": {"m": {"albedo": (albedo,) * 3}}, "lights": lights}
+        )
+        assert (limits.beyond("povray", scene, True) is not None) == refused
+
+
+def test_what_rounding_moves_is_of_the_pixels_at_its_depth() -> None:
+    """Coordinates of 3e4 as float are off by 0.001: of pixels that are 0.06 wide at a depth of 1."""
+    view = {"type": "perspective", "vertical_fov_degrees": 40.0, "height": None}
+    for depth, refused in ((0.1, True), (4.0, False)):
+        scene = flat(square(4.0 - depth, 3e4), **view, eye=(3e4, 0, 4), look_at=(3e4, 0, 0))
+        assert (limits.beyond("embree", scene, True) is not None) == refused
+
 
 def test_a_plane_through_a_telescope_is_refused() -> None:
     """Pixels of 2e-10 radians: a whole one below the horizon is met at less than 1e-10."""
