@@ -6,6 +6,7 @@ import logging
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -188,7 +189,7 @@ class Workers:
     def __init__(self, processes: int, plugins: Sequence[str] | None = None) -> None:
         self.window = self.processes = processes
         self._plugins = [plugin.path for plugin in samplers.plugins()] if plugins is None else list(plugins)
-        resource_tracker.ensure_running()  # by this thread: it lets Ctrl-C through to the thread that starts it
+        _begin_tracker()
         self._renewals = 0
         self._pool = self._new_pool()
 
@@ -261,6 +262,17 @@ class Workers:
     def _ended(self, future: Future[Any]) -> None:
         if not future.cancelled() and not isinstance(future.exception(), BrokenExecutor):
             self._renewals = 0
+
+
+def _begin_tracker() -> None:
+    """Begins what removes the names of semaphores that a run leaves when it is ended at once: without the warning that
+    it did. By this thread: it lets Ctrl-C through to the thread that begins it."""
+    before = list(sys.warnoptions)
+    sys.warnoptions.append("ignore:resource_tracker:UserWarning")
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        sys.warnoptions[:] = before
 
 
 def _broken(pool: ProcessPool) -> bool:

@@ -8,6 +8,7 @@ import itertools
 import os
 import re
 import signal
+import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -196,6 +197,18 @@ def test_ctrl_c_while_the_report_is_written_and_a_second_one(tmp_path: Path) -> 
         assert ended(process) == 130
     assert told(folder) == ["aliascope: interrupted twice: ended at once; what was finished is kept"]
     assert set(problems(folder, right)) <= {"left: results.sqlite-wal", "left: results.sqlite-shm"}
+
+
+def test_a_run_that_ends_at_once_says_nothing_of_its_semaphores() -> None:
+    """Another process removes them, with a warning, when the last that shares its error stream has ended."""
+    script = """
+import os, time
+from aliascope.workers import Workers
+Workers(1).begin(time.sleep, [0.0], 60.0).result()
+os._exit(0)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=PATIENCE, check=True)
+    assert done.stderr == ""
 
 
 def test_a_lock_ends_with_its_process(tmp_path: Path) -> None:
