@@ -15,15 +15,15 @@ from pathlib import Path
 
 from aliascope.errors import InvalidInput
 
-_PACKAGE = Path(__file__).resolve().parent
-_PACKED = _PACKAGE / "data"
+PACKAGE = Path(__file__).resolve().parent
+_PACKED = PACKAGE / "data"
 INSTALLED = _PACKED.is_dir()
 """Whether this is a package that was built and installed, not the source tree."""
-_ROOT = _PACKED if INSTALLED else _PACKAGE.parents[1]
+_ROOT = _PACKED if INSTALLED else PACKAGE.parents[1]
 
 SCENES = _ROOT / "scenes"
 REFERENCES = _ROOT / "reference"
-LIBRARIES = _PACKAGE / "native" / "lib"
+LIBRARIES = PACKAGE / "native" / "lib"
 REVISION = _ROOT / "revision"
 """Of an installed package, and of a source distribution: which revision of the repository it was made from."""
 

@@ -15,8 +15,8 @@ import fake_povray
 import pytest
 from commands import environment
 
-from aliascope import errors
-from aliascope.renderers import confinement, landlock, povray_file, povray_process
+from aliascope import errors, landlock
+from aliascope.renderers import confinement, povray_file, povray_process
 from aliascope.renderers.confinement import Protection
 from aliascope.renderers.povray_file import PovFile
 from aliascope.studies import doctor

@@ -25,15 +25,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from aliascope.renderers import landlock
+from aliascope import landlock
+from aliascope.landlock import DEVICES, SYSTEM
 from aliascope.renderers.process import Held
-
-SYSTEM = tuple(
-    map(Path, ("/usr", "/lib", "/lib32", "/lib64", "/bin", "/sbin", "/etc/ld.so.cache", "/etc/alternatives"))
-)
-"""Programs, their libraries, and the data that come with them."""
-
-DEVICES = (Path("/dev/null"), Path("/dev/urandom"))
 
 LEAST_MEMORY, MOST_MEMORY = 1 << 30, 16 << 30
 MEMORY_SHARE = 0.5

@@ -52,9 +52,17 @@ def closes_network() -> bool:
     return abi() >= _NETWORK_ABI
 
 
-def ruleset(readable: Sequence[Path], writable: Sequence[Path]) -> int:
-    """A file descriptor of rules, to be closed: what lies below `readable` can be read and started, below `writable`
-    read and written, nothing else, and no TCP. What is not there is passed over. Raises OSError."""
+SYSTEM = tuple(
+    map(Path, ("/usr", "/lib", "/lib32", "/lib64", "/bin", "/sbin", "/etc/ld.so.cache", "/etc/alternatives"))
+)
+"""Programs, their libraries, and the data that come with them."""
+
+DEVICES = (Path("/dev/null"), Path("/dev/urandom"))
+
+
+def ruleset(readable: Sequence[Path], writable: Sequence[Path], *, programs: bool = True) -> int:
+    """A file descriptor of rules, to be closed: what lies below `readable` can be read, and started where `programs`,
+    below `writable` read and written, nothing else, and no TCP. What is not there is passed over. Raises OSError."""
     assert _LIBC is not None
     rights = (1 << max(count for least, count in _RIGHTS_OF_ABI.items() if least <= abi())) - 1
     rules = _Ruleset(rights, _BIND_AND_CONNECT if closes_network() else 0, 0)
@@ -64,7 +72,8 @@ def ruleset(readable: Sequence[Path], writable: Sequence[Path]) -> int:
     if made < 0:
         raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
     try:
-        for paths, allowed in ((readable, _EXECUTE | _READ | _READ_FOLDER), (writable, rights & ~_EXECUTE)):
+        reading = _READ | _READ_FOLDER | (_EXECUTE if programs else 0)
+        for paths, allowed in ((readable, reading), (writable, rights & ~_EXECUTE)):
             for path in paths:
                 _allow(made, path, allowed)
     except OSError:
