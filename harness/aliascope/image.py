@@ -94,14 +94,18 @@ def opened(path: Path) -> Iterator[oiio.ImageInput]:
     config = oiio.ImageSpec()
     config.attribute("pnm:pfmflip", 1)
     with _libpng_silent(path):
-        image = oiio.ImageInput.open(str(path), config)
-        if image is None:
-            raise InvalidInput(f"{path}: not a picture that can be read: {_first_line(oiio.geterror())}")
         try:
-            _check_size(path, image.spec())
-            yield image
-        finally:
-            image.close()
+            image = oiio.ImageInput.open(str(path), config)
+            if image is None:
+                raise InvalidInput(f"{path}: not a picture that can be read: {_first_line(oiio.geterror())}")
+            try:
+                _check_size(path, image.spec())
+                yield image
+            finally:
+                image.close()
+        except UnicodeDecodeError as error:  # of what OpenImageIO quotes from the file, and gives as it is there
+            quoted = error.object.decode(errors="backslashreplace")
+            raise InvalidInput(f"{path}: a name in it is no text: {_first_line(quoted)}") from error
 
 
 def _values(spec: oiio.ImageSpec) -> int:
@@ -137,7 +141,7 @@ def read_header(path: Path) -> dict[str, str]:
     """The provenance in a picture's header, without the prefix; empty where there is none. Raises InvalidInput."""
     with opened(path) as image:
         return {
-            attribute.name.removeprefix(HEADER_PREFIX): str(attribute.value)
+            legible(attribute.name.removeprefix(HEADER_PREFIX)): legible(str(attribute.value))
             for attribute in image.spec().extra_attribs
             if attribute.name.startswith(HEADER_PREFIX)
         }
@@ -180,6 +184,11 @@ def _libpng_silent(path: Path) -> Iterator[None]:
         finally:
             os.dup2(kept, 2)
             os.close(kept)
+
+
+def legible(text: str) -> str:
+    """A text of a picture's header; bytes that are no UTF-8, which OpenImageIO hands on as they are, escaped."""
+    return text.encode(errors="surrogateescape").decode(errors="backslashreplace")
 
 
 def _first_line(text: str) -> str:

@@ -10,6 +10,7 @@ with fuzzing.counted(__name__):
 
     from aliascope import image
     from aliascope.errors import AliascopeError
+    from aliascope.studies import error_maps
 
 ENDINGS = ("exr", "png", "pfm", "tif", "jpg", "hdr")
 
@@ -17,7 +18,7 @@ ENDINGS = ("exr", "png", "pfm", "tif", "jpg", "hdr")
 def one_input(data: bytes) -> None:
     kind = data[0] % len(ENDINGS) if data else 0
     path = fuzzing.written(f"p.{ENDINGS[kind]}", data[1:])
-    for read in (image.read_image, image.read_header, image.read_counts):
+    for read in (image.read_image, image.read_header, image.read_counts, error_maps.describe):
         try:
             found = read(path)
         except AliascopeError as error:

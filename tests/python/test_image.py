@@ -12,6 +12,7 @@ import pytest
 
 from aliascope.errors import InvalidInput, NotFinite, NotWritable
 from aliascope.image import read_header, read_image, write_exr
+from aliascope.studies import error_maps
 
 
 def test_every_float_and_the_header_come_back(tmp_path: Path) -> None:
@@ -53,6 +54,27 @@ def test_what_is_no_picture_is_said(tmp_path: Path) -> None:
     (tmp_path / "cut.exr").write_bytes(whole.read_bytes()[:900])
     with pytest.raises(InvalidInput, match=r"cut\.exr: "):
         read_image(tmp_path / "cut.exr")
+
+
+def test_names_that_are_no_text_are_escaped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, path = tmp_path / "whole.exr", tmp_path / "named.exr"
+    write_exr(whole, np.ones((2, 2, 3), np.float32), {"one": "two"})
+    contents = whole.read_bytes()
+    for place, instead in ((b"two", b"t\xe6o"), (b":one", b":o\xe6e"), (b"R\0", b"\xe6\0")):
+        assert contents.count(place) == 1
+        contents = contents.replace(place, instead)
+    path.write_bytes(contents)
+    assert read_header(path) == {"o\\xe6e": "t\\xe6o"}
+    assert "\\xe6" in error_maps.describe(path).channels
+    assert read_image(path).shape == (2, 2, 3)
+
+    def quoting() -> str:
+        return b"broken at \xe6".decode()
+
+    (tmp_path / "no.exr").write_text("no picture")
+    monkeypatch.setattr("aliascope.image.oiio.geterror", quoting)  # as OpenImageIO does, found by fuzz_picture
+    with pytest.raises(InvalidInput, match=r"no\.exr: a name in it is no text: broken at \\xe6"):
+        read_image(tmp_path / "no.exr")
 
 
 def test_contents_reach_the_disk_before_the_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,7 +11,7 @@ import OpenImageIO as oiio
 from numpy.typing import NDArray
 
 from aliascope.errors import InvalidInput, NotWritable
-from aliascope.image import decode_srgb, opened, read_image, write_exr
+from aliascope.image import decode_srgb, legible, opened, read_image, write_exr
 from aliascope.metrics import check_finite
 from aliascope.records import Pixels
 
@@ -68,7 +68,7 @@ def describe(path: Path) -> Stored:
         path=path,
         format=str(spec.format),
         colour_space=_colour_space(spec, kind),
-        channels=tuple(str(name) for name in spec.channelnames),
+        channels=tuple(legible(str(name)) for name in spec.channelnames),
         alpha=spec.alpha_channel >= 0,
         size=(spec.width, spec.height),
         offset=(spec.x - spec.full_x, spec.y - spec.full_y),
@@ -76,8 +76,8 @@ def describe(path: Path) -> Stored:
 
 
 def _colour_space(spec: oiio.ImageSpec, kind: str) -> str:
-    tag = spec.get_string_attribute("oiio:ColorSpace")
-    profile = spec.get_string_attribute("ICCProfile:profile_description")
+    tag = legible(spec.get_string_attribute("oiio:ColorSpace"))
+    profile = legible(spec.get_string_attribute("ICCProfile:profile_description"))
     if profile and "srgb" not in profile.lower():
         return profile
     # OpenImageIO calls all of Netpbm's files "Rec709"; a PFM holds light, and of a PPM's curve nobody can be sure.
