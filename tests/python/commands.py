@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 from unittest.mock import patch
 
-from aliascope import cli
+from aliascope import cli, renderers
 
 Result = TypeVar("Result")
 COMMAND = [sys.executable, "-W", "error", "-m", "aliascope.cli"]
@@ -54,6 +54,7 @@ def _unchecked(
         contextlib.chdir(cwd or Path.cwd()),
         patch.dict(os.environ, env or os.environ, clear=True),
         patch.object(sys, "argv", ["aliascope", *words]),
+        patch.dict(renderers.RENDERERS),  # one that a command loads ends with it
     ):
         ended: int | str | None = 0
         try:
