@@ -15,6 +15,7 @@ from unittest.mock import patch
 import fake_povray
 import pytest
 from commands import COMMAND, checked, environment, run
+from crashing import compiled
 from killed_compares import PATIENCE, leftovers, pictures, started
 
 from aliascope import draws, plan
@@ -87,14 +88,6 @@ time_t time(time_t *now) {
 }
 """
 """A clock on the wall that is an hour earlier each time one looks at it, for the workers and their programs."""
-
-
-def compiled(folder: Path, name: str, text: str, *flags: str) -> Path:
-    source, library = folder / f"{name}.c", folder / f"{name}.so"
-    source.write_text(text)
-    include = Path(__file__).resolve().parents[2] / "csrc" / "include"
-    subprocess.run(["cc", "-shared", "-fPIC", f"-I{include}", source, "-o", library, *flags], check=True)
-    return library
 
 
 class Later(datetime):
