@@ -24,7 +24,7 @@ from pebble.pool.base_pool import PoolStatus
 from aliascope import at_start, logs
 from aliascope.errors import JobFailed
 from aliascope.interrupts import deferred
-from aliascope.native import samplers
+from aliascope.native import alone, samplers
 
 Result = TypeVar("Result")
 
@@ -282,6 +282,7 @@ def _broken(pool: ProcessPool) -> bool:
 
 def _begin(plugins: list[str], steps: list[at_start.Step]) -> None:
     pebble.CONSTS.channel_lock_timeout = PIPE_PATIENCE
+    alone.load_at_once()
     threading.Thread(target=_end_with_parent, daemon=True).start()
     for plugin in plugins:
         samplers.load_plugin(plugin)

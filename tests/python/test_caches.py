@@ -275,6 +275,26 @@ def test_what_could_go_is_said_before_it_goes(results: Path) -> None:
     assert found["pictures"] == {"files": 2, "size": 2000}
 
 
+def test_modes_and_scenes_that_no_later_run_has_made_stay(tmp_path: Path) -> None:
+    """Results of several runs lie in one folder: the second was asked for another mode, the third for another scene,
+    the fourth failed."""
+    folder = tmp_path / "out"
+    jobs = [JOB, replace(JOB, key="k2" * 16, mode="uniform:n=16"), replace(JOB, key="k3" * 16, scene="discs")]
+    with Store(folder / "results.sqlite") as store:
+        for number, job in enumerate(jobs, start=1):
+            store.begin_run(f"{number}", "compare", "r", {}, {})
+            image = f"images/{job.scene}/{job.key[:2]}.exr"
+            (folder / image).parent.mkdir(parents=True, exist_ok=True)
+            (folder / image).write_bytes(b"x")
+            store.put(Outcome(job, "done", cost=COST, image=image), {image: "0"})
+        store.begin_run("4", "compare", "r", {}, {})
+        store.put(Outcome(replace(JOB, key="k4" * 16), "failed", "no more"))
+    found = keeping.results(folder, prune=True)
+    assert (found.rows, found.outdated.files, found.unnamed.files) == (0, 0, 0)
+    assert len(list(folder.glob("images/**/*.exr"))) == 3
+    assert "Scenes, modes and seeds that no later run has made stay" in " ".join(run("cache", "--help").stdout.split())
+
+
 def test_nothing_is_pruned_beside_a_run_or_elsewhere(results: Path, tmp_path: Path) -> None:
     with locked(results):
         assert "is writing there" in complaint("cache", results, "--prune", code=4)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from inline_workers import Inline
 
 from aliascope import renderers
 from aliascope.errors import JobFailed
@@ -37,6 +38,7 @@ def test_a_new_renderer_is_probed_in_the_mode_that_it_names(
     monkeypatch: pytest.MonkeyPatch, renderer: Fourth, holds: bool
 ) -> None:
     monkeypatch.setattr(renderers, "RENDERERS", {renderer.name: renderer})
+    monkeypatch.setattr(doctor, "Workers", Inline)
     document = doctor.examine(quick=True)
     (entry,) = document["renderers"]
     assert entry["mode"] == renderer.probe_mode

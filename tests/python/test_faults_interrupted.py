@@ -171,6 +171,28 @@ def test_ctrl_c_while_the_workers_begin_leaves_no_traceback(tmp_path: Path, prep
     assert "Interrupted: 0 of" in (folder / "report.html").read_text()
 
 
+def pressing_where_it_is_lost(calls: int) -> None:
+    """Ctrl-C in a finaliser, which cannot raise anything."""
+
+    class Pressing:
+        def __del__(self) -> None:
+            os.kill(os.getpid(), signal.SIGINT)
+            signal.sigpending()  # handlers run between steps of Python
+
+    if calls == 2:
+        Pressing()
+
+
+def test_ctrl_c_that_a_finaliser_loses_ends_a_compare(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+    prepare = partial(_before, "aliascope.pipeline._Run._finish", pressing_where_it_is_lost)
+    with started(folder, prepare=prepare) as process:
+        assert ended(process) == 130
+    (line,) = told(folder)
+    assert line.startswith("aliascope: interrupted: ")
+    assert 0 < kept(folder) < JOBS
+
+
 def test_ctrl_c_while_the_report_is_written_and_a_second_one(tmp_path: Path) -> None:
     folder, marker = tmp_path / "out", tmp_path / "marker"
     right, _ = undisturbed(folder)

@@ -15,6 +15,7 @@ from unittest.mock import patch
 import fake_povray
 import pytest
 from commands import COMMAND, checked, environment, run
+from crashing import compiled
 from killed_compares import PATIENCE, leftovers, pictures, started
 
 from aliascope import draws, plan
@@ -89,14 +90,6 @@ time_t time(time_t *now) {
 """A clock on the wall that is an hour earlier each time one looks at it, for the workers and their programs."""
 
 
-def compiled(folder: Path, name: str, text: str, *flags: str) -> Path:
-    source, library = folder / f"{name}.c", folder / f"{name}.so"
-    source.write_text(text)
-    include = Path(__file__).resolve().parents[2] / "csrc" / "include"
-    subprocess.run(["cc", "-shared", "-fPIC", f"-I{include}", source, "-o", library, *flags], check=True)
-    return library
-
-
 class Later(datetime):
     """A clock that is far ahead when a run starts."""
 
@@ -145,7 +138,7 @@ def test_jobs_that_crash_or_hang_lose_themselves_alone_while_the_clock_goes_back
 
 
 def test_povray_that_misbehaves_loses_its_own_jobs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What test_povray_process.py has of a run, at the level of a compare."""
+    """What test_povray_process.py has of a run, at the level of a compare, while the clock goes back."""
     for name in ("plot_svg", "spectrum_svg", "filters_svg"):
         monkeypatch.setattr(f"aliascope.report.{name}", lambda *_: "<svg xmlns='http://www.w3.org/2000/svg'/>")
     short = fake_povray.write_png(tmp_path / "short.png", 16, 12)
@@ -169,6 +162,7 @@ def test_povray_that_misbehaves_loses_its_own_jobs(tmp_path: Path, monkeypatch: 
     cases = "".join(f"*+R{mode[-1]}*) {body};; " for mode, (body, _) in trouble.items())
     script = f'case "$*" in *version*) echo "POV-Ray 3.7.0.10" >&2; exit 0;; {cases}esac'
     path = environment(fake_povray.install(tmp_path / "bin", script))
+    path |= {"LD_PRELOAD": str(compiled(tmp_path, "clock", CLOCK))}
     modes = [word for mode in ("msaa:n=4", *trouble) for word in ("-m", mode)]
     limits = ("--size", "16x12", "--time-limit", "15", "--json")
     result = run("compare", "edge", *modes, *limits, "-o", tmp_path / "out", code=4, env=path)

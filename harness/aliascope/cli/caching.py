@@ -33,7 +33,8 @@ def cache(
     longest ago goes first. All in them is made again when it is needed, and may be removed at any time.
 
     Results are no caches. Of DIR it says how much could go: pictures that results.sqlite does not name, and those that
-    a later run has made anew with other code or for another version of the scene. Only --prune removes them.
+    a later run has made anew with other code or for another version of the scene. Only --prune removes them. Scenes,
+    modes and seeds that no later run has made stay, whatever the last run was asked for.
     """
     from aliascope import caches
     from aliascope.caches import Usage

@@ -8,6 +8,7 @@ from typing import Any
 
 from aliascope import places
 from aliascope.errors import AliascopeError, InvalidInput, JobFailed, NotAvailable, NotFinite, SpecError, Unsupported
+from aliascope.native import alone
 
 _EXCEPTIONS: dict[str, type[AliascopeError]] = {
     "INVALID_ARGUMENT": InvalidInput,
@@ -23,12 +24,35 @@ _EXCEPTIONS: dict[str, type[AliascopeError]] = {
 
 @functools.cache
 def module(name: str, needs: str) -> Any:
-    """The compiled module `_sampler`, `_tracer` or `_raster`. Raises NotAvailable, naming what it `needs`."""
+    """The compiled module `_sampler`, `_tracer` or `_raster`. Raises NotAvailable, naming what it `needs`, also where
+    that crashes a process which tries it."""
+    if name != "_sampler":
+        _tried(name, needs)
     try:
         return importlib.import_module(f"aliascope.native.{name}")
     except ImportError as error:
-        remedy = "install it" if places.INSTALLED else "install it and run make"
-        raise NotAvailable(f"{needs} cannot be loaded ({error}); {remedy}") from error
+        raise _absent(needs, str(error)) from error
+
+
+def said(name: str, needs: str) -> str | None:
+    """What the library that `_tracer` or `_raster` needs says of itself, without being loaded here; None where it has
+    to be. Raises NotAvailable."""
+    trial = _tried(name, needs)
+    if trial is not None and trial.declines:
+        raise NotAvailable(trial.declines)
+    return None if trial is None else trial.said
+
+
+def _tried(name: str, needs: str) -> alone.Trial | None:
+    trial = alone.tried(name)
+    if trial is not None and trial.absent:
+        raise _absent(needs, trial.absent)
+    return trial
+
+
+def _absent(needs: str, reason: str) -> NotAvailable:
+    remedy = "install it" if places.INSTALLED else "install it and run make"
+    return NotAvailable(f"{needs} cannot be loaded ({reason}); {remedy}")
 
 
 def error_box(ffi: Any) -> Any:

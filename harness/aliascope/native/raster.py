@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from aliascope.model import Scene
 from aliascope.native.instructions import counted
-from aliascope.native.loading import check, error_box, module
+from aliascope.native.loading import check, error_box, module, said
 from aliascope.native.scene import pack
 from aliascope.records import Pixels
 
@@ -33,9 +33,12 @@ def use_own_threads(count: int) -> None:
     _own_threads = count
 
 
+_NEEDS = "OSMesa (Debian: libosmesa6)"
+
+
 def _library() -> Any:
     os.environ["LP_NUM_THREADS"] = str(_own_threads)
-    return module("_raster", "OSMesa (Debian: libosmesa6)")
+    return module("_raster", _NEEDS)
 
 
 def describe() -> tuple[str, str]:
@@ -43,10 +46,13 @@ def describe() -> tuple[str, str]:
 
     Raises NotAvailable.
     """
-    library = _library()
-    text = library.ffi.new("char[]", 256)
-    check(library, library.lib.raster_describe(text, len(text)))
-    renderer, _, version = library.ffi.string(text).decode(errors="replace").partition("; ")
+    names = said("_raster", _NEEDS)
+    if names is None:
+        library = _library()
+        text = library.ffi.new("char[]", 256)
+        check(library, library.lib.raster_describe(text, len(text)))
+        names = library.ffi.string(text).decode(errors="replace")
+    renderer, _, version = names.partition("; ")
     return renderer, version
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from aliascope.model import Scene
 from aliascope.native import estimate, filters, samplers
 from aliascope.native.instructions import Count, counted
-from aliascope.native.loading import check, error_box, module
+from aliascope.native.loading import check, error_box, module, said
 from aliascope.native.scene import pack
 from aliascope.records import Counts, Pixels
 
@@ -25,13 +25,17 @@ DRAWS = frozenset(
 """The features of scenes that it draws."""
 
 
+_NEEDS = "Embree 3 (Debian: libembree3-3)"
+
+
 def _library() -> Any:
-    return module("_tracer", "Embree 3 (Debian: libembree3-3)")
+    return module("_tracer", _NEEDS)
 
 
 def embree_version() -> str:
     """ "3.13.5", with which the library was compiled. Raises NotAvailable."""
-    return _version(int(_library().lib.tracer_embree_version()))
+    number = said("_tracer", _NEEDS)
+    return _version(int(_library().lib.tracer_embree_version()) if number is None else int(number))
 
 
 def _version(number: int) -> str:

@@ -10,12 +10,12 @@ from typing import Any
 from aliascope import places, renderers
 from aliascope.errors import AliascopeError, NotAvailable
 from aliascope.renderers import confinement
-from aliascope.renderers.base import Renderer
+from aliascope.renderers.base import Renderer, Request
 from aliascope.studies import doctor_embree, doctor_osmesa, doctor_povray
 from aliascope.studies.doctor_charts import Edges, Star
 from aliascope.studies.doctor_findings import Inquiry, Tell, answers
 from aliascope.studies.doctor_general import centres, float32_step, levels, repeats
-from aliascope.studies.probes import LIMITS, measure
+from aliascope.studies.probes import LIMITS, measure_named
 from aliascope.workers import Workers
 
 OWN: Mapping[str, Callable[[], list[Inquiry]]] = {
@@ -45,22 +45,13 @@ def examine(
     """The document of `aliascope doctor --json`, of these renderers or all. quick: the one picture alone that `compare`
     takes. Raises InvalidInput for a name that there is not, and NotAvailable where one that was named is not there."""
     chosen = [renderers.find(name) for name in names] if names else list(renderers.RENDERERS.values())
-    found = [_first(renderer) for renderer in chosen]
-    for entry in found:
-        if names and not entry["there"]:
-            raise NotAvailable(entry["reason"])
-    if not quick:
-        asked = {
-            index: inquiries_of(chosen[index])
-            for index, entry in enumerate(found)
-            if entry["there"] and "centre" in entry
-        }
-        with Workers(len(os.sched_getaffinity(0))) as workers:
-            answered = iter(answers([each for several in asked.values() for each in several], workers, tell))
-        for index, several in asked.items():
-            findings = [next(answered) for _ in several]
-            found[index]["findings"] = [finding.document for finding in findings]
-            found[index]["holds"] = found[index]["holds"] and not any(finding.failed for finding in findings)
+    with Workers(len(os.sched_getaffinity(0))) as workers:
+        found = [_first(renderer, workers) for renderer in chosen]
+        for entry in found:
+            if names and not entry["there"]:
+                raise NotAvailable(entry["reason"])
+        if not quick:
+            _inquire(chosen, found, workers, tell)
     protection = confinement.protection()
     return {
         "aliascope": places.own_version(),
@@ -71,12 +62,24 @@ def examine(
     }
 
 
-def _first(renderer: Renderer) -> dict[str, Any]:
+def _inquire(chosen: Sequence[Renderer], found: Sequence[dict[str, Any]], workers: Workers, tell: Tell) -> None:
+    """Adds the findings on those that rendered one picture."""
+    asked = {
+        index: inquiries_of(chosen[index]) for index, entry in enumerate(found) if entry["there"] and "centre" in entry
+    }
+    answered = iter(answers([each for several in asked.values() for each in several], workers, tell))
+    for index, several in asked.items():
+        findings = [next(answered) for _ in several]
+        found[index]["findings"] = [finding.document for finding in findings]
+        found[index]["holds"] = found[index]["holds"] and not any(finding.failed for finding in findings)
+
+
+def _first(renderer: Renderer, workers: Workers) -> dict[str, Any]:
     """Whether it is there, its versions, and what one picture says."""
     entry: dict[str, Any] = {"name": renderer.name, "title": renderer.title, "there": True}
     try:
         entry["versions"] = dict(renderer.versions())
-        probe = measure(renderer)
+        probe = workers.begin(measure_named, [renderer.name], Request.time_limit).result()
     except NotAvailable as error:
         return entry | {"there": False, "reason": str(error)}
     except AliascopeError as error:

@@ -120,7 +120,7 @@ def of_those_that_drew(
     keys = {name: _key(renderers.find(name)) for name in wanted}
     kept = {name: store.probe(key) for name, key in keys.items()}
     begun = {
-        name: workers.begin(_task, [name, options.time_limit], options.time_limit, {"probe": name})
+        name: workers.begin(measure_named, [name, options.time_limit], options.time_limit, {"probe": name})
         for name in wanted
         if kept[name] is None and workers is not None
     }
@@ -152,8 +152,8 @@ def warning_of(probe: Probe) -> str:
     )
 
 
-def _task(name: str, time_limit: float) -> Probe:
-    """Runs in a worker process."""
+def measure_named(name: str, time_limit: float = Request.time_limit) -> Probe:
+    """`measure`, in a worker process."""
     return measure(renderers.find(name), time_limit)
 
 
