@@ -109,8 +109,8 @@ def run(
 def preloading(library: Path) -> dict[str, str]:
     """What the environment of a program has so that it is started with the library, beside what this process's has.
 
-    The loader splits LD_PRELOAD at blanks and knows no quotes: a library in a folder whose name has one is named without
-    it, and looked for in the folders of LD_LIBRARY_PATH, which are split at colons and semicolons alone.
+    The loader splits LD_PRELOAD at blanks and knows no quotes. A library whose path has one is given by its name alone,
+    and its folder in LD_LIBRARY_PATH, which is split at colons and semicolons.
     """
     before, folders = os.environ.get("LD_PRELOAD", ""), os.environ.get("LD_LIBRARY_PATH", "")
     if not any(each.isspace() for each in str(library)):
