@@ -19,7 +19,7 @@ VARIANT ?= release
 OBJECTS := $(BUILD)/$(VARIANT)
 WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror
 # The same file whatever the folder: its hash is in the keys of pictures, and its debugging information names no path.
-PATHS := -ffile-prefix-map=$(CURDIR)=.
+PATHS := '-ffile-prefix-map=$(CURDIR)=.'
 # Contraction off: the same bits on machines with and without fused multiply-add. The library uses neither errno nor
 # floating-point traps, which would keep loops with conditions from being vectorised.
 CFLAGS := -std=c11 -O3 -g -fPIC -fvisibility=hidden -ffp-contract=off -fno-math-errno -fno-trapping-math -pthread $(PATHS) $(WARNINGS)
@@ -167,22 +167,23 @@ bench: all $(C_BENCHES) $(KEPT_RAYS)
 ## install    the C library, its headers and its pkg-config file, to $(DESTDIR)$(prefix)
 prefix ?= /usr/local
 .PHONY: install
+install: TO = $(DESTDIR)$(prefix)
 install: $(VERSIONED)
-	@install -d $(DESTDIR)$(prefix)/include/aliascope $(DESTDIR)$(prefix)/lib/pkgconfig
-	@install -m 644 $(filter-out %/scene.h,$(wildcard csrc/include/aliascope/*.h)) $(DESTDIR)$(prefix)/include/aliascope
-	@install -m 755 $(VERSIONED) $(DESTDIR)$(prefix)/lib
-	@ln -sf $(notdir $(VERSIONED)) $(DESTDIR)$(prefix)/lib/$(SONAME)
-	@ln -sf $(SONAME) $(DESTDIR)$(prefix)/lib/libaliascope.so
-	@sed 's|@prefix@|$(prefix)|; s|@version@|$(VERSION)|' csrc/aliascope.pc.in >$(DESTDIR)$(prefix)/lib/pkgconfig/aliascope.pc
-	@echo "installed libaliascope $(VERSION) to $(DESTDIR)$(prefix)"
+	@install -d "$(TO)/include/aliascope" "$(TO)/lib/pkgconfig"
+	@install -m 644 $(filter-out %/scene.h,$(wildcard csrc/include/aliascope/*.h)) "$(TO)/include/aliascope"
+	@install -m 755 $(VERSIONED) "$(TO)/lib"
+	@ln -sf $(notdir $(VERSIONED)) "$(TO)/lib/$(SONAME)"
+	@ln -sf $(SONAME) "$(TO)/lib/libaliascope.so"
+	@sed 's|@prefix@|$(subst |,\|,$(subst &,\&,$(prefix)))|; s|@version@|$(VERSION)|' csrc/aliascope.pc.in >"$(TO)/lib/pkgconfig/aliascope.pc"
+	@echo "installed libaliascope $(VERSION) to $(TO)"
 
 ## wheel      the Python package, with libraries, scenes and references, as a wheel and as sources, to $(DIST)
 DIST ?= $(BUILD)/dist
 .PHONY: wheel
 wheel: all
-	@$(VENV)/bin/python -m pip wheel --quiet --disable-pip-version-check --no-build-isolation --no-deps -w $(DIST) .
+	@$(VENV)/bin/python -m pip wheel --quiet --disable-pip-version-check --no-build-isolation --no-deps -w "$(DIST)" .
 	@$(VENV)/bin/python -c 'from setuptools.build_meta import build_sdist; build_sdist("$(DIST)")' >/dev/null
-	@ls $(DIST)/aliascope-$(VERSION)*
+	@ls "$(DIST)"/aliascope-$(VERSION)*
 
 # What the build of the package asks for, with CFFI_PYTHON.
 .PHONY: native
@@ -249,6 +250,7 @@ $(LIBRARIES)/libaliascope-raster.so: $(RASTER_OBJECTS) $(LIBRARIES)/libaliascope
 
 # Calls nothing of ours; povray is started with it.
 $(LIBRARIES)/libaliascope-waits.so: $(call objects,waits)
+	@mkdir -p $(@D)
 	$(SHARED) -ldl
 
 ALL_LIBRARIES := $(addprefix $(LIBRARIES)/,libaliascope.so libaliascope-tracer.so libaliascope-raster.so libaliascope-waits.so)

@@ -35,6 +35,10 @@ _used: set[Path] = set()
 """Files that this process has read or written: a run keeps what it uses until it ends."""
 
 
+NO_HOME = Path(os.devnull)
+"""Below which nobody can make a folder."""
+
+
 @dataclass(frozen=True)
 class Usage:
     """How many files there are, and their bytes."""
@@ -50,7 +54,16 @@ def root() -> Path:
         return Path(own).expanduser().absolute()
     others = os.environ.get("XDG_CACHE_HOME", "")
     # XDG Base Directory Specification 0.8: a path that is relative is to be ignored.
-    return (Path(others) if Path(others).is_absolute() else Path.home() / ".cache") / "aliascope"
+    return (Path(others) if Path(others).is_absolute() else _home() / ".cache") / "aliascope"
+
+
+def _home() -> Path:
+    """The user's, or what can't hold a cache: in a container the number of a process may be that of no user."""
+    try:
+        home = Path.home()
+    except RuntimeError:
+        return NO_HOME
+    return home if home.is_absolute() else NO_HOME
 
 
 def folder(name: str) -> Path:

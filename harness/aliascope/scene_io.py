@@ -18,6 +18,8 @@ from aliascope.model import Frames, LoadedMesh, Mesh, Part, Polygon, Scene
 
 LONGEST_NAME = 200
 """Of a scene: what is added for a file of results still fits."""
+FORMULA = "=+-@"
+"""What a spreadsheet takes for the beginning of a formula, quoted in a CSV file or not."""
 
 ENDINGS = (".toml", *document.ENDINGS)
 
@@ -54,7 +56,7 @@ def load(scene: str) -> SceneFile:
 
 def load_file(path: Path) -> SceneFile:
     """The scene of a file, read as its ending says: glTF, else TOML."""
-    _check_name(path)
+    check_name(path)
     if path.suffix.lower() in document.ENDINGS:
         found = reading.read(path)
         return SceneFile(path.stem, path, found.scene, found.notes)
@@ -73,14 +75,19 @@ def load_file(path: Path) -> SceneFile:
         ) from error
 
 
-def _check_name(path: Path) -> None:
-    """Raises InvalidInput for a file whose name, which is its scene's, would lead elsewhere as the name of a folder, or
-    steer a terminal."""
+def check_name(path: Path) -> None:
+    """Raises InvalidInput for a file whose name, which is its scene's, would lead elsewhere as the name of a folder,
+    steer a terminal, or be computed by a spreadsheet that opens a table of results."""
     name = path.stem
     if name in ("", ".", "..") or "\0" in name or len(name) > LONGEST_NAME or steers(name):
         raise InvalidInput(
             f"{as_shown(str(path))}: a scene is named as its file, with 1 to {LONGEST_NAME} characters, which are "
             "letters, digits and signs, and not . or ..: rename it"
+        )
+    if name[0] in FORMULA:
+        raise InvalidInput(
+            f"{path}: a scene is named as its file, and in a table of results a spreadsheet takes a name that begins "
+            f"with {name[0]} for a formula: rename it"
         )
 
 

@@ -77,11 +77,13 @@ def taught() -> TeachingPage:
 
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """By name. That of `compare` is the command's own, of a scene's file."""
+    """By name. Those of `compare` and `agree` are the commands' own, of a scene's file."""
     folder = tmp_path_factory.mktemp("hostile")
     scene = scene_file(folder)
     run("compare", scene, "-r", "embree", "-m", "uniform:n=4", "-m", "uniform:n=16", "-o", folder / "compare")
-    found = {"compare": folder / "compare" / "report.html"}
+    small = ("--size", "16x12", "--samples", "2", "--replicates", "4")
+    run("agree", scene, "-r", "embree", "-r", "osmesa", *small, "-o", folder / "agree")
+    found = {name: folder / name / "report.html" for name in ("compare", "agree")}
     runs = [
         replace(
             each,
@@ -100,7 +102,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     )
     made = {
         "report": hostile_report(),
-        "agree": teaching_page(taught()),
+        "teaching": teaching_page(taught()),
         "stability": stability_page.html(replace(stability_data.large(), cells=cells[:40], lost={NAMES[1]: NAMES[2]})),
     }
     for name, html in made.items():
@@ -134,7 +136,7 @@ WALK = """() => {
 }"""
 
 
-@pytest.mark.parametrize("name", ["compare", "agree", "report", "history", "stability"])
+@pytest.mark.parametrize("name", ["compare", "agree", "teaching", "report", "history", "stability"])
 def test_names_are_words(page: Page, pages: dict[str, Path], name: str) -> None:
     noises: list[str] = []
     requests: list[str] = []

@@ -19,6 +19,7 @@ from aliascope.caches import Usage
 from aliascope.errors import InvalidInput
 from aliascope.folder_lock import locked
 from aliascope.records import Cost, Job, Outcome
+from aliascope.renderers import povray_file
 from aliascope.store import Store
 from aliascope.studies import keeping
 
@@ -52,6 +53,18 @@ def test_where_they_are(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None
     monkeypatch.setenv("XDG_CACHE_HOME", "relative/is/ignored")
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     assert caches.root() == tmp_path / "home" / ".cache" / "aliascope"
+
+
+def test_a_user_without_a_home_keeps_no_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    for name in (caches.VARIABLE, "XDG_CACHE_HOME", "HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("pwd.getpwuid", {}.__getitem__)  # which knows nobody
+    assert caches.root() == Path(os.devnull) / ".cache" / "aliascope"
+    scene = tmp_path / "scene.pov"
+    scene.write_text("camera {}\nsphere { 0, 1 }\n")
+    assert povray_file.open_file(scene).path == scene
+    monkeypatch.setenv("HOME", "relative")
+    assert caches.root().is_relative_to(os.devnull)
 
 
 def test_the_one_that_was_used_longest_ago_goes_first() -> None:

@@ -150,6 +150,17 @@ def test_the_name_of_a_scene_is_no_other_folder_and_steers_no_terminal(tmp_path:
     assert said.isprintable()
 
 
+@pytest.mark.parametrize("name", ["=cmd|' calc'!A0.toml", "+1.glb", "-1.toml", "@SUM(1).pov"])
+def test_the_name_of_a_scene_is_no_formula(tmp_path: Path, name: str) -> None:
+    """It stands in tables that are opened by spreadsheets."""
+    path = tmp_path / name
+    path.write_text(WHOLE)
+    words = ("sweep", path, "--budget", "5s", "-o", tmp_path / "out")
+    said = complaint(*words, code=2)
+    assert f"a name that begins with {name[0]} for a formula: rename it" in said
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_command_that_is_shown_is_quoted() -> None:
     """It is there to be copied into a shell."""
     scene = scene_io.load("edge").scene

@@ -140,3 +140,16 @@ def test_the_example_by_the_commands_of_its_first_lines(tmp_path: Path, staged: 
     printed = np.loadtxt(run(show, tmp_path, **search).stdout.splitlines(), delimiter=",")
     expected = (0.25 + np.arange(16)[:, np.newaxis] * np.sqrt([2.0, 3.0])) % 1.0
     assert np.abs(printed - expected).max() < 1e-14  # 16 sqrt(3) < 28, half an ulp of which is 2e-15
+
+
+def test_an_installation_into_folders_with_blanks_and_more(tmp_path: Path) -> None:
+    stage, prefix = tmp_path / "st age, \u00e9", "/o&pt, | \u00e9"
+    run(["make", "install", f"DESTDIR={stage}", f"prefix={prefix}"], ROOT)
+    assert [path.name for path in tmp_path.iterdir()] == [stage.name]
+    installed = stage / prefix[1:]
+    assert (installed / "lib" / "pkgconfig" / "aliascope.pc").read_text().startswith(f"prefix={prefix}\n")
+    found = {"PKG_CONFIG_SYSROOT_DIR": str(stage), "PKG_CONFIG_LIBDIR": str(installed / "lib" / "pkgconfig")}
+    (tmp_path / "program.c").write_text(PROGRAM)
+    # What pkg-config prints has escapes for a shell that reads it as it reads a command.
+    run('eval "cc program.c -o program $(pkg-config --cflags --libs aliascope)"', tmp_path, **found)
+    run([tmp_path / "program"], tmp_path, LD_LIBRARY_PATH=str(installed / "lib"))

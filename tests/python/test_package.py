@@ -3,7 +3,6 @@ that cannot be made."""
 
 from __future__ import annotations
 
-import hashlib
 import importlib.util
 import json
 import os
@@ -69,24 +68,40 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return copy
 
 
-@pytest.fixture(scope="module")
-def wheel(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Built as a packager does without a network; make finds that nothing is to be compiled."""
-    native = tree / "harness" / "aliascope" / "native"
-    before = {path: path.stat().st_mtime_ns for path in native.rglob("*.so")}
-    folder = tmp_path_factory.mktemp("wheel")
-    words = ["wheel", "--no-index", "--no-build-isolation", "--no-deps", "--quiet", "-w", str(folder), str(tree)]
-    run([sys.executable, "-m", "pip", "--disable-pip-version-check", *words], folder)
-    assert before == {path: path.stat().st_mtime_ns for path in native.rglob("*.so")}
-    assert len(before) == 8
-    assert not (tree / "build").exists()
+def without_network() -> list[str]:
+    """The words before a command that take the network from it, where the system lets one; none where not."""
+    for words in (["unshare", "--net"], ["unshare", "--map-root-user", "--net"]):
+        if (found := shutil.which("unshare")) and subprocess.run(
+            [*words, "true"], capture_output=True, check=False
+        ).returncode == 0:
+            return [found, *words[1:]]
+    return []
+
+
+def built(sources: Path, folder: Path) -> Path:
+    """A wheel, as a packager makes it: without a network."""
+    words = ["wheel", "--no-index", "--no-build-isolation", "--no-deps", "--quiet", "-w", str(folder), str(sources)]
+    run([*without_network(), sys.executable, "-m", "pip", "--disable-pip-version-check", *words], sources.parent)
     (made,) = folder.iterdir()
     return made
 
 
 @pytest.fixture(scope="module")
+def wheel(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Make finds that nothing is to be compiled."""
+    native = tree / "harness" / "aliascope" / "native"
+    before = {path: path.stat().st_mtime_ns for path in native.rglob("*.so")}
+    made = built(tree, tmp_path_factory.mktemp("wheel"))
+    assert before == {path: path.stat().st_mtime_ns for path in native.rglob("*.so")}
+    assert len(before) == 8
+    assert not (tree / "build").exists()
+    return made
+
+
+@pytest.fixture(scope="module")
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("installed")
+    """In a folder whose name has what paths of others have: blanks, letters past ASCII."""
+    folder = tmp_path_factory.mktemp("in stalled, \u00e9")
     words = ["install", "--no-index", "--no-deps", "--quiet", "--target", str(folder), str(wheel)]
     run([sys.executable, "-m", "pip", "--disable-pip-version-check", *words], folder)
     return folder
@@ -150,21 +165,10 @@ def test_keys_of_pictures_are_those_of_the_source_tree(installed: Path) -> None:
     assert theirs == [jobs.code_digest(each.name, renderers.mode_of(each, each.probe_mode)) for each in found]
 
 
-def without_network(folder: Path) -> list[str]:
-    """The words before a command that take the network from it, where the system lets one; none where not."""
-    for words in (["unshare", "--net"], ["unshare", "--map-root-user", "--net"]):
-        if (
-            shutil.which("unshare")
-            and subprocess.run([*words, "true"], capture_output=True, check=False).returncode == 0
-        ):
-            return words
-    return []
-
-
 COMMANDS = [
     "list scenes",
     "points sobol -n 4",
-    "compare edge -r embree -m uniform:n=4 --size 24x18 -o compared",
+    "compare edge -r embree -r povray -m uniform:n=4 -m none --size 24x18 -o compared",
     "regress discs -r embree -m uniform:n=16,sampler=random -o regressed -q",
     "history -o regressed",
     "reference edge --verify",
@@ -177,23 +181,37 @@ COMMANDS = [
 ]
 
 
+def contents(folder: Path) -> dict[Path, int]:
+    """When each file was written, but those that Python keeps for itself."""
+    return {
+        path: path.stat().st_mtime_ns
+        for path in folder.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+
+
 @pytest.fixture(scope="module")
 def ran(installed: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[int, str, str]]:
-    """Status, output and complaints of each command, run elsewhere, without a network; and where their package lies."""
+    """Status, output and complaints of each command: run elsewhere, without a network, a compiler on the PATH or a home
+    that can be written to, and nothing written into the package."""
     folder = tmp_path_factory.mktemp("elsewhere")
     (folder / "driver.py").write_text(DRIVER)
-    words = [*without_network(folder), sys.executable, "driver.py"]
+    programs = folder / "programs"
+    programs.mkdir()
+    (programs / "povray").symlink_to(shutil.which("povray") or "none")
     asked = json.dumps([command.split() for command in COMMANDS])
-    files = hashlib.sha256(repr(sorted(installed.rglob("*.[ejt]*"))).encode()).digest()
-    printed = run([*words, asked], folder, PYTHONPATH=str(installed), HOME=str(folder)).splitlines()
-    assert files == hashlib.sha256(repr(sorted(installed.rglob("*.[ejt]*"))).encode()).digest()
+    before = contents(installed)
+    words = [*without_network(), sys.executable, "driver.py", asked]
+    # No folder can be made below a device, not even by root.
+    printed = run(words, folder, PYTHONPATH=str(installed), HOME="/dev/null", PATH=str(programs)).splitlines()
+    assert contents(installed) == before
     assert (folder / "compared" / "report.html").stat().st_size > 100_000
     return {command: tuple(json.loads(line)) for command, line in zip(COMMANDS, printed, strict=True)}
 
 
 def test_it_is_the_installed_package_that_runs(installed: Path, tmp_path: Path) -> None:
     script = "import aliascope; from aliascope import places; print(aliascope.__file__, places.INSTALLED, sep='\\n')"
-    printed = run([sys.executable, "-c", script], tmp_path, PYTHONPATH=str(installed)).split()
+    printed = run([sys.executable, "-c", script], tmp_path, PYTHONPATH=str(installed)).splitlines()
     assert printed == [str(installed / "aliascope" / "__init__.py"), "True"]
 
 
@@ -204,7 +222,7 @@ def test_a_command_outside_the_source_tree(command: str, ran: dict[str, tuple[in
     telling = {
         "list": "zone-plate",
         "points": "0.25,0.75",
-        "compare": "3 pictures, 0 failed",
+        "compare": "6 pictures, 0 failed",
         "regress": "3 of 3 controls caught",
         "history": "regressed/history.html",
         "reference": "edge: holds",
@@ -233,17 +251,38 @@ def test_where_references_are_kept(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
             places.kept_in(folder, "-o")
 
 
-def test_the_sources_are_those_of_the_repository(tree: Path, tmp_path: Path) -> None:
-    script = f"from setuptools.build_meta import build_sdist; print(build_sdist({str(tmp_path)!r}))"
-    name = run([sys.executable, "-c", script], tree).split()[-1]
-    with tarfile.open(tmp_path / name) as opened:
+@pytest.fixture(scope="module")
+def sources(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The source distribution, packed."""
+    folder = tmp_path_factory.mktemp("sources")
+    run([sys.executable, "-c", f"from setuptools.build_meta import build_sdist; build_sdist({str(folder)!r})"], tree)
+    (made,) = folder.iterdir()
+    return made
+
+
+def test_the_sources_are_those_of_the_repository(tree: Path, sources: Path) -> None:
+    with tarfile.open(sources) as opened:
         files = {member.name.partition("/")[2] for member in opened.getmembers() if member.isfile()}
-        revision = opened.extractfile(f"{name.removesuffix('.tar.gz')}/revision")
+        revision = opened.extractfile(f"{sources.name.removesuffix('.tar.gz')}/revision")
         assert revision is not None
         assert revision.read().decode() == run(["git", "rev-parse", "--short=12", "HEAD"], tree)
     listed = set(run(["git", "-c", "core.quotePath=off", "ls-files"], tree).splitlines())
     assert listed > {"csrc/sampler/registry.c", "Makefile", "harness/build_package.py", "reference/blessings.jsonl"}
     assert files - {"PKG-INFO", "setup.cfg", "revision"} == listed
+
+
+def test_the_wheel_of_the_sources_is_that_of_the_tree(wheel: Path, tree: Path, sources: Path, tmp_path: Path) -> None:
+    """Bit for bit, in another folder, where libraries are linked again and bindings compiled."""
+    folder = tmp_path / "another folder, \u00e9"
+    with tarfile.open(sources) as opened:
+        opened.extractall(folder, filter="data")
+    (unpacked,) = folder.iterdir()
+    shutil.copytree(tree / ".build" / "release", unpacked / ".build" / "release")
+    made = built(unpacked, tmp_path / "made")
+    assert made.name == wheel.name
+    with zipfile.ZipFile(wheel) as one, zipfile.ZipFile(made) as other:
+        assert sorted(one.namelist()) == sorted(other.namelist())
+        assert [name for name in one.namelist() if one.read(name) != other.read(name)] == []
 
 
 @pytest.fixture

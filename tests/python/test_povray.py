@@ -13,7 +13,7 @@ from aliascope.errors import SpecError, Unsupported
 from aliascope.geometry import frame_of
 from aliascope.model import Scene
 from aliascope.records import Rendering
-from aliascope.renderers import povray, povray_process
+from aliascope.renderers import povray, povray_process, process
 from aliascope.renderers.base import Request, lacks
 from aliascope.renderers.povray import RENDERER
 from aliascope.renderers.povray_limits import FARTHEST, NEAREST
@@ -362,3 +362,21 @@ def test_short_waits_change_no_bit_and_cpu_times_are_fine(monkeypatch: pytest.Mo
     assert without.cost.cpu_seconds * 1000.0 % 1.0 == pytest.approx(0.0, abs=1e-9)
     # Of one picture: its own time, but for what was cut off and the noise of a busy machine.
     assert 0.0 < with_it.cost.cpu_seconds < 10.0 * (without.cost.cpu_seconds + 0.001)
+
+
+def test_short_waits_are_preloaded_from_any_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The loader splits the list of what is preloaded at blanks, and says on stderr what it does not find."""
+    library = tmp_path / "a folder, \u00e9" / povray_process.SHORT_WAITS.name
+    library.parent.mkdir()
+    library.symlink_to(povray_process.SHORT_WAITS)
+    monkeypatch.setattr(povray_process, "SHORT_WAITS", library)
+    (tmp_path / "scene.pov").write_text("camera {}\n")
+    for folders in (None, "/nowhere:/nor here"):
+        if folders:
+            monkeypatch.setenv("LD_LIBRARY_PATH", folders)
+        printed = povray_process.run(
+            povray_process.executable(), ["+Iscene.pov", "-F", "-D", "+W4", "+H3"], tmp_path, 30.0
+        )
+        assert povray_process.FINE_CLOCK in printed
+        assert "cannot be preloaded" not in printed
+        assert process.preloading(library)["LD_LIBRARY_PATH"] == ":".join(filter(None, (str(library.parent), folders)))

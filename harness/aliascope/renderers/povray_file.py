@@ -159,7 +159,10 @@ def _check_place(path: Path) -> None:
     if steers(path.name) or '"' in path.name:
         raise InvalidInput(f"{as_shown(str(path))}: no name for an ini file, which sweep.ini is: rename the scene")
     folder = path.absolute().parent.resolve()
-    home = Path("~").expanduser().resolve()
+    try:
+        home = Path.home().resolve()
+    except RuntimeError:  # nobody knows this user, who has none
+        home = Path("/")
     if home != Path("/") and home.is_relative_to(folder):
         raise InvalidInput(
             f"{path}: a .pov file is a program that can read all of the folder in which it lies, and {folder} has "

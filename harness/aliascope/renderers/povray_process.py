@@ -159,21 +159,19 @@ def run(
     wall, TooMuch where it leaves too much, and NotAvailable where it cannot be started. Afterwards no process of it is
     left.
     """
-    preloaded = " ".join(
-        filter(None, (os.environ.get("LD_PRELOAD"), str(SHORT_WAITS) if SHORT_WAITS.is_file() else ""))
-    )
+    preloaded = process.preloading(SHORT_WAITS) if SHORT_WAITS.is_file() else {}
     own = {"POVINI": str(folder / "aliascope.ini"), "LC_ALL": "C", "HOME": str(folder)}
     most = max(KEPT_BYTES, frames * KEPT_BYTES_A_FRAME)
     deadline = time.monotonic() + time_limit
     with ExitStack() as stack:
         if others is None:
             held = process.FREE
-            environment = {**os.environ, **own, "LD_PRELOAD": preloaded}
+            environment = {**os.environ, **own, **preloaded}
         else:
             fence = others.fence(folder, path, time_limit)
             _write_conf(folder, fence)
             # What is preloaded is for povray, not for the program that confines it.
-            held = stack.enter_context(confinement.held(fence, {"LD_PRELOAD": preloaded}))
+            held = stack.enter_context(confinement.held(fence, preloaded))
             environment = {name: os.environ[name] for name in PASSED_ON if name in os.environ} | own
         for _ in range(STARTS):
             left = deadline - time.monotonic()

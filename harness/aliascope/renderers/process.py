@@ -106,6 +106,21 @@ def run(
     return Ended(status, text, seconds, time.monotonic() - begun)
 
 
+def preloading(library: Path) -> dict[str, str]:
+    """What the environment of a program has so that it is started with the library, beside what this process's has.
+
+    The loader splits LD_PRELOAD at blanks and knows no quotes. A library whose path has one is given by its name alone,
+    and its folder in LD_LIBRARY_PATH, which is split at colons and semicolons.
+    """
+    before, folders = os.environ.get("LD_PRELOAD", ""), os.environ.get("LD_LIBRARY_PATH", "")
+    if not any(each.isspace() for each in str(library)):
+        return {"LD_PRELOAD": f"{before} {library}".strip()}
+    return {
+        "LD_PRELOAD": f"{before} {library.name}".strip(),
+        "LD_LIBRARY_PATH": f"{library.parent}:{folders}".rstrip(":"),
+    }
+
+
 def complaint(name: str, ended: Ended, passed_over: Sequence[str] = ()) -> str:
     """How a program ended that failed, with its last lines but those to be passed over."""
     end = f"was killed by {_signal_name(-ended.status)}" if ended.status < 0 else f"exited with status {ended.status}"

@@ -18,7 +18,7 @@ from aliascope.errors import JobFailed
 from aliascope.regression.observe import Target
 from aliascope.regression.records import CellName, Observed
 from aliascope.regression.verdict import Chances
-from aliascope.renderers import osmesa
+from aliascope.renderers import osmesa, process
 from aliascope.studies import power_pool
 from aliascope.studies.power_null import alarms_of
 from aliascope.studies.regress_suite import Cell
@@ -40,8 +40,8 @@ class Elsewhere:
 @contextmanager
 def instructions(shim: Path) -> Iterator[None]:
     """Processes that begin within this use the older instructions."""
-    more = {"LD_PRELOAD": str(shim.resolve()), "EMBREE_ISA": INSTRUCTIONS, "LP_NATIVE_VECTOR_WIDTH": VECTOR_BITS}
-    with patch.dict(os.environ, more):
+    more = {"EMBREE_ISA": INSTRUCTIONS, "LP_NATIVE_VECTOR_WIDTH": VECTOR_BITS}
+    with patch.dict(os.environ, more | process.preloading(shim.resolve())):
         yield
 
 

@@ -193,6 +193,7 @@ def check_file(path: Path) -> None:
         raise InvalidInput(f"{path}: a scene to sweep ends in {', '.join(SUFFIXES)}{hint}")
     if not path.is_file():
         raise InvalidInput(f"{path}: there is no such file")
+    scene_io.check_name(path)
 
 
 def _check_folder(folder: Path) -> None:
