@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import logging
 import pickle
 import time
 from collections import Counter
@@ -158,7 +159,7 @@ class Cluster:
             )
         file, job, options = arguments
         future: Future[logs.Answer] = asyncio.run_coroutine_threadsafe(
-            self._carried(self._packed(file), job, options, time_limit), self._loop
+            self._carried(self._packed(file), job, options, time_limit, about or {}), self._loop
         )
         return Task(future, patience(time_limit), about=about)
 
@@ -171,7 +172,7 @@ class Cluster:
         own = jobs.renderer_versions(renderer)
         return {**own, "code": jobs.code_of_kind(renderer, with_samplers)}
 
-    async def _carried(self, scene: bytes, job: Job, options: Options, limit: float) -> logs.Answer:
+    async def _carried(self, scene: bytes, job: Job, options: Options, limit: float, about: logs.About) -> logs.Answer:
         """A job, done; again where a worker's process ended."""
         with_samplers = jobs.has_sampler(jobs.mode_of(job))
         versions = self._versions(job.renderer, with_samplers)
@@ -188,6 +189,8 @@ class Cluster:
                 break
             if attempt == ATTEMPTS:
                 return replace(answer, error=JobFailed(f"{answer.error}, on each of {ATTEMPTS} workers"))
+            text = f"{answer.error} on {answer.place.worker}; it goes to a worker again"
+            logs.event(logging.INFO, "retry", text, **{**about, **answer.place.told()})
         if answer.error is not None:
             return answer
         timed: Timed = answer.result
