@@ -16,6 +16,7 @@ import pytest
 from clusters import cluster_of, until
 from commands import COMMAND, checked, in_a_fork, run, separately
 from test_external import fake, picture
+from test_knobs import few  # noqa: F401  (a fixture)
 
 from aliascope import at_start, jobs, renderers, scene_io
 from aliascope.cluster import work
@@ -54,7 +55,7 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     counting = seeded(folder / "counting", f'echo $PPID >>"{counted}"; cp "{kept}" "$2"')
     with cluster_of(folder, ("-r", crashing, "-r", counting), ("-r", counting)) as address:
         yield Running(address, crashing, counting, counted)
-    assert [path.name for path in (folder / "tmp").iterdir() if path.name.startswith("aliascope-plugins")] == []
+    assert list((folder / "tmp").rglob("*plugins*")) == []
 
 
 @pytest.fixture(autouse=True)
@@ -252,6 +253,17 @@ def test_each_job_is_done_once_and_its_picture_comes_here_alone(cluster: Running
     assert handed == 0
     assert sorted(ends.values()) == [1] * (len(plan.jobs) + 1)  # and the scene
     assert len(cluster.counted.read_text().split()) == before + count[name]
+
+
+@pytest.mark.usefixtures("few")
+def test_knobs_are_turned_there_too(cluster: Running, tmp_path: Path) -> None:
+    words = ("knobs", *SMALL, "-r", "embree", "-o", tmp_path, "--cluster", cluster.address, "--json")
+    told = json.loads(run(*words).stdout)
+    assert {"packet", "robust", "film", "filter"} <= {knob["knob"] for knob in told["knobs"]}
+    drawn = [line for line in lines_of(tmp_path) if line["event"] == "job" and "seed" in line]
+    assert len(drawn) > 12
+    assert {line["status"] for line in drawn} == {"done"}
+    assert all(line["worker"].startswith("tcp://127.0.0.1:") for line in drawn)
 
 
 def test_a_worker_that_is_killed_comes_back(cluster: Running) -> None:

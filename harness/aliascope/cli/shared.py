@@ -134,7 +134,9 @@ def print_json(document: Any) -> None:
 ClusterAddress = Annotated[
     str | None,
     typer.Option(
-        "--cluster", metavar="tcp://HOST:PORT", help="Have the jobs done by the workers of a dask scheduler (worker)."
+        "--cluster",
+        metavar="tcp://HOST:PORT",
+        help="Have the jobs done by the workers of a dask scheduler (see worker); of compare and knobs alone.",
     ),
 ]
 TlsCa = Annotated[Path | None, typer.Option("--tls-ca", metavar="F.pem", help="Of a cluster at tls://: the authority.")]

@@ -147,14 +147,20 @@ def _answer(scene: bytes, plugins: tuple[bytes, ...], packed: bytes) -> logs.Ans
     )
 
 
-def _address() -> str:
-    """Of this worker, as the scheduler knows it; none where it is called elsewhere."""
+def _worker() -> Any:
+    """Dask's, which this is a task of; None elsewhere."""
     from distributed import get_worker
 
     try:
-        return str(get_worker().address)
+        return get_worker()
     except ValueError:
-        return ""
+        return None
+
+
+def _address() -> str:
+    """Of this worker, as the scheduler knows it."""
+    worker = _worker()
+    return "" if worker is None else str(worker.address)
 
 
 def _performed(scene: bytes, plugins: tuple[bytes, ...], packed: bytes) -> logs.Answer:
@@ -217,7 +223,9 @@ def _written(plugin: SentPlugin) -> Path:
     if not plugin.whole():
         raise Unsupported(f"the plugin {plugin.name} did not arrive as it was sent")
     if not _folders:
-        _folders.append(tempfile.TemporaryDirectory(prefix="aliascope-plugins-"))
+        # In dask's folder, which goes with the worker however it ends.
+        where = getattr(_worker(), "local_directory", None)
+        _folders.append(tempfile.TemporaryDirectory(prefix="aliascope-plugins-", dir=where))
     path = Path(_folders[0].name) / plugin.sha256 / Path(plugin.name).name
     path.parent.mkdir(exist_ok=True)
     path.write_bytes(plugin.contents)
