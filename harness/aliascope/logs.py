@@ -59,13 +59,19 @@ def warn(text: str) -> None:
 
 @dataclass(frozen=True)
 class Place:
-    """Where and when a task ran: UTC, the monotonic clock of that machine in seconds, and seconds on the wall."""
+    """Where and when a task ran: UTC, the monotonic clock of that machine in seconds, and seconds on the wall. worker:
+    the address of a cluster's worker whose process it was, if it was one's."""
 
     host: str
     process: int
     began: str
     began_monotonic: float
     seconds: float
+    worker: str = ""
+
+    def told(self) -> dict[str, object]:
+        """For a line of the log."""
+        return {name: value for name, value in vars(self).items() if value != ""}
 
 
 @dataclass(frozen=True)
@@ -120,8 +126,9 @@ def ended(about: About, answer: Answer | None, error: BaseException | None) -> N
     fields: dict[str, object] = {**about, "status": "done" if problem is None else "failed"}
     text = " ".join(_worded(name, each) for name, each in about.items() if name != "key")
     if answer is not None:
-        fields |= vars(answer.place)
+        fields |= answer.place.told()
         text += f": {answer.place.seconds:.2f} s, process {answer.place.process}"
+        text += f" of {answer.place.worker} on {answer.place.host}" if answer.place.worker else ""
     if problem is not None:
         fields |= {"why": str(problem) or type(problem).__name__, "kind": type(problem).__name__}
         text += f": {fields['why']}"

@@ -8,17 +8,16 @@ import os
 import pickle
 import re
 import signal
-import subprocess
 import sys
 import threading
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from clusters import cluster_of, until
 from commands import complaint, run
 from test_external import fake
 
@@ -26,7 +25,7 @@ from aliascope import at_start, calibration, image, jobs, renderers, scene_io, w
 from aliascope.calibration import Beat, Effort
 from aliascope.cluster import client as cluster_client
 from aliascope.cluster import work
-from aliascope.cluster.address import Tls, checked
+from aliascope.cluster.address import Tls
 from aliascope.cluster.client import Cluster
 from aliascope.errors import InvalidInput, JobFailed
 from aliascope.pipeline import Options, render_job
@@ -34,9 +33,6 @@ from aliascope.records import Cost, Outcome
 from aliascope.store import Store
 
 distributed = pytest.importorskip("distributed")
-
-LIMIT = 300.0
-"""Seconds that anything here may take on a machine however busy."""
 
 MODES = (
     "uniform:n=4,sampler=random",
@@ -47,15 +43,6 @@ MODES = (
 )
 """Seeded and deterministic ones of each renderer."""
 JOBS = ("edge", "discs", *(word for mode in MODES for word in ("-m", mode)))
-
-
-def until(condition: Callable[[], Any], what: str) -> Any:
-    """What a condition gives once it is true."""
-    begun = time.monotonic()
-    while not (found := condition()):
-        assert time.monotonic() - begun < LIMIT, what
-        time.sleep(0.05)
-    return found
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,34 +56,10 @@ class Running:
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     folder = tmp_path_factory.mktemp("cluster")
-    crashing, told = fake(folder, "kill -KILL $PPID; sleep 60"), folder / "scheduler.json"
-    begun: list[subprocess.Popen[bytes]] = []
-
-    def start(name: str, *words: str | Path) -> Path:
-        log = folder / f"{name}.log"
-        with log.open("wb") as file:
-            begun.append(subprocess.Popen([sys.executable, *map(str, words)], stdout=file, stderr=file, cwd=folder))
-        return log
-
-    try:
-        where = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show", "--scheduler-file", told)
-        start("scheduler", "-m", "distributed.cli.dask_scheduler", *where)
-        address = until(lambda: told.is_file() and json.loads(told.read_text() or "{}").get("address"), "no scheduler")
-        ours = ("-W", "error", "-m", "aliascope.cli", "worker", address)
-        logs = [start("three", *ours, "-j", "3", "-r", crashing), start("one", *ours, "--without", "osmesa")]
-        for log in logs:
-            until(lambda log=log: "Ctrl-C ends" in log.read_text(), f"no worker: {log}")
+    crashing = fake(folder, "kill -KILL $PPID; sleep 60")
+    with cluster_of(folder, ("-j", "3", "-r", crashing), ("--without", "osmesa")) as address:
         yield Running(address, crashing)
-    finally:
-        for process in reversed(begun):
-            process.terminate()
-        for process in begun:
-            try:
-                process.wait(60.0)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-    assert "not osmesa: its worker was started without it" in (folder / "one.log").read_text()
+    assert "not osmesa: its worker was started without it" in (folder / "worker-1.log").read_text()
 
 
 def kill_one_that_works(address: str, killed: list[str]) -> None:
@@ -223,22 +186,6 @@ def test_an_address_that_cannot_be_read(address: str, tmp_path: Path) -> None:
     for words in (["worker", address], ["compare", "edge", "-o", tmp_path / "out", "--cluster", address]):
         assert "is no address of a scheduler: it is of the form tcp://HOST:8786" in complaint(*words, code=2)
     assert not (tmp_path / "out").exists()
-
-
-def test_tls_takes_three_files_and_an_encrypted_address(tmp_path: Path) -> None:
-    file = tmp_path / "a.pem"
-    with pytest.raises(InvalidInput, match=r"--tls-ca without .*--tls-"):
-        checked("tls://boss:8786", Tls(file))
-    with pytest.raises(InvalidInput, match="is not encrypted"):
-        checked("tcp://boss:8786", Tls(file, file, file))
-    with pytest.raises(InvalidInput, match="there is no such file"):
-        checked("tls://boss:8786", Tls(file, file, file))
-    file.touch()
-    tls = Tls(file, file, file)
-    assert checked("tls://[::1]:8786", tls) == "tls://[::1]:8786"
-    security = tls.security(distributed)
-    assert (security.require_encryption, security.tls_ca_file) == (True, str(file))
-    assert Tls().security(distributed) is None
 
 
 def test_where_nobody_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,6 +17,7 @@ from aliascope.cli.shared import (
     TlsKey,
     app,
     begin_log,
+    cluster_of,
     command_said,
     print_json,
     say_notes,
@@ -64,14 +65,13 @@ def compare(
 
     Each picture is a timed run of its own, one at a time. Pictures that the folder already has are not rendered again.
     """
-    from aliascope.cluster.address import Tls
     from aliascope.studies import selection
 
     if resume and not (out / "results.sqlite").is_file():
         raise InvalidInput(f"{out}: has no results to resume; leave --resume out to begin")
     say_notes(scenes or [])
     plan = selection.plan_of(scenes or [], renderer or [], mode or [], profile, size_of(size), dimensions or [])
-    elsewhere = _cluster(cluster, Tls(tls_ca, tls_cert, tls_key), plan) if cluster is not None else None
+    elsewhere = cluster_of(cluster, tls_ca, tls_cert, tls_key, plan)
     if explain:
         _explain(plan, out, time_limit, elsewhere, as_json)
         return
@@ -146,16 +146,6 @@ def agree(
             typer.echo(str(page))
     if not answer.holds:
         raise typer.Exit(1)
-
-
-def _tell(text: str) -> None:
-    typer.echo(text, err=True)
-
-
-def _cluster(address: str, tls: Any, plan: Any) -> Any:
-    from aliascope.cluster.client import Cluster
-
-    return Cluster(address, tls, plan, _tell)
 
 
 def _explain(plan: Any, folder: Path, time_limit: float, elsewhere: Any, as_json: bool) -> None:

@@ -8,7 +8,20 @@ from typing import Annotated
 import typer
 
 from aliascope import logs
-from aliascope.cli.shared import Json, Size, app, begin_log, command_said, print_json, size_of
+from aliascope.cli.shared import (
+    ClusterAddress,
+    Json,
+    Size,
+    TlsCa,
+    TlsCert,
+    TlsKey,
+    app,
+    begin_log,
+    cluster_of,
+    command_said,
+    print_json,
+    size_of,
+)
 
 
 @app.command(epilog="Example: aliascope knobs edge spheres -r embree -o knobs")
@@ -23,6 +36,10 @@ def knobs(
     ),
     size: Size = None,
     time_limit: Annotated[float, typer.Option(min=0.1, help="Seconds that one picture may take.")] = 120.0,
+    cluster: ClusterAddress = None,
+    tls_ca: TlsCa = None,
+    tls_cert: TlsCert = None,
+    tls_key: TlsKey = None,
     as_json: Json = False,
 ) -> None:
     """Measure what each setting does to time and error: one key is turned at a time, the others stay.
@@ -39,10 +56,11 @@ def knobs(
     from aliascope.text_files import write_text
 
     plan = study.plan_of(scenes or [], renderer or [], size_of(size))
+    elsewhere = cluster_of(cluster, tls_ca, tls_cert, tls_key, plan)
     begin_log(out)
     with locked(out):
         with progress_bar() as progress:
-            turned = study.turn(plan, out, Options(1, time_limit), command_said(), progress, logs.warn)
+            turned = study.turn(plan, out, Options(1, time_limit), command_said(), progress, logs.warn, elsewhere)
         write_text(out / "knobs.csv", knob_text.knobs_csv(turned.knobs))
         write_text(out / "knobs.md", "\n".join(knob_text.markdown(turned.knobs)) + "\n")
     if as_json:

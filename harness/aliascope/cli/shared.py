@@ -134,9 +134,25 @@ def print_json(document: Any) -> None:
 ClusterAddress = Annotated[
     str | None,
     typer.Option(
-        "--cluster", metavar="tcp://HOST:PORT", help="Have the jobs done by the workers of a dask scheduler (worker)."
+        "--cluster",
+        metavar="tcp://HOST:PORT",
+        help="Have the jobs done by the workers of a dask scheduler (see worker); of compare and knobs alone.",
     ),
 ]
 TlsCa = Annotated[Path | None, typer.Option("--tls-ca", metavar="F.pem", help="Of a cluster at tls://: the authority.")]
 TlsCert = Annotated[Path | None, typer.Option("--tls-cert", metavar="F.pem", help="The own certificate.")]
 TlsKey = Annotated[Path | None, typer.Option("--tls-key", metavar="F.pem", help="Its key.")]
+
+
+def cluster_of(address: str | None, ca: Path | None, certificate: Path | None, key: Path | None, plan: Any) -> Any:
+    """The cluster that does the jobs of a plan, or None. Raises InvalidInput, also for TLS without a cluster."""
+    if address is None:
+        if (ca, certificate, key) != (None, None, None):
+            raise InvalidInput(
+                "--tls-ca, --tls-cert and --tls-key are those of a cluster: add --cluster tls://HOST:PORT"
+            )
+        return None
+    from aliascope.cluster.address import Tls
+    from aliascope.cluster.client import Cluster
+
+    return Cluster(address, Tls(ca, certificate, key), plan, lambda text: typer.echo(text, err=True))

@@ -30,7 +30,7 @@ def worker(
     tls_cert: TlsCert = None,
     tls_key: TlsKey = None,
 ) -> None:
-    """Render what `aliascope compare --cluster` has to render, with what is installed here, until Ctrl-C.
+    """Render here what `aliascope compare --cluster` and `aliascope knobs --cluster` ask for, until Ctrl-C.
 
     The scheduler is told which renderers there are and in which versions, so that nothing else comes. Whoever can reach
     the scheduler can run any program here: use it in a network that you trust, or with TLS.

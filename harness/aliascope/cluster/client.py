@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import logging
 import pickle
 import time
 from collections import Counter
@@ -38,8 +39,6 @@ AHEAD = 2
 """Jobs for each worker that are on their way at once: the one that it does, and the next. Whatever a plan has of jobs,
 no more than these, and their pictures, are anywhere but here."""
 
-ADVICE = "start one with `dask scheduler`, and on each machine `aliascope worker {}`"
-
 
 @dataclass(frozen=True)
 class _Worker:
@@ -58,8 +57,9 @@ class Cluster:
     elsewhere = True
 
     def __init__(self, address: str, tls: Tls, plan: Plan, tell: Callable[[str], None]) -> None:
-        self._address, self._tls, self._plan, self._tell = addresses.checked(address, tls), tls, plan, tell
+        self._address, self._plan, self._tell = addresses.checked(address, tls), plan, tell
         self._distributed = addresses.distributed()
+        self._security = addresses.security(address, tls, self._distributed, "client")
         self._known: dict[str, _Worker] = {}
         self._looked = 0.0
         self._seen: dict[str, float] = {}
@@ -68,21 +68,18 @@ class Cluster:
         self._plugins: list[bytes] = []
 
     def __enter__(self) -> Cluster:
-        security = self._tls.security(self._distributed)
         try:
+            asyncio.run(addresses.reach(self._address, self._security, self._distributed, "client", CONNECTING))
             self._client = self._distributed.Client(
                 self._address,
-                security=security,
+                security=self._security,
                 timeout=CONNECTING,
                 set_as_default=False,
                 direct_to_workers=True,  # pictures do not pass through the scheduler
                 name="aliascope",
             )
-        except (OSError, TimeoutError, ValueError) as error:
-            reason = " ".join(str(error).split())[:200]
-            raise NotAvailable(
-                f"no scheduler answers at {self._address} ({reason}): {ADVICE.format(self._address)}"
-            ) from error
+        except (OSError, TimeoutError, ValueError, RuntimeError) as error:
+            raise addresses.no_scheduler(self._address, error) from error
         self._loop = self._client.loop.asyncio_loop
         self._lock = asyncio.Lock()
         try:
@@ -162,7 +159,7 @@ class Cluster:
             )
         file, job, options = arguments
         future: Future[logs.Answer] = asyncio.run_coroutine_threadsafe(
-            self._carried(self._packed(file), job, options, time_limit), self._loop
+            self._carried(self._packed(file), job, options, time_limit, about or {}), self._loop
         )
         return Task(future, patience(time_limit), about=about)
 
@@ -175,7 +172,7 @@ class Cluster:
         own = jobs.renderer_versions(renderer)
         return {**own, "code": jobs.code_of_kind(renderer, with_samplers)}
 
-    async def _carried(self, scene: bytes, job: Job, options: Options, limit: float) -> logs.Answer:
+    async def _carried(self, scene: bytes, job: Job, options: Options, limit: float, about: logs.About) -> logs.Answer:
         """A job, done; again where a worker's process ended."""
         with_samplers = jobs.has_sampler(jobs.mode_of(job))
         versions = self._versions(job.renderer, with_samplers)
@@ -192,6 +189,8 @@ class Cluster:
                 break
             if attempt == ATTEMPTS:
                 return replace(answer, error=JobFailed(f"{answer.error}, on each of {ATTEMPTS} workers"))
+            text = f"{answer.error} on {answer.place.worker}; it goes to a worker again"
+            logs.event(logging.INFO, "retry", text, **{**about, **answer.place.told()})
         if answer.error is not None:
             return answer
         timed: Timed = answer.result

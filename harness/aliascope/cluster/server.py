@@ -11,8 +11,7 @@ from typing import Any
 
 from aliascope import at_start
 from aliascope.cluster import work
-from aliascope.cluster.address import Tls, checked, distributed
-from aliascope.errors import NotAvailable
+from aliascope.cluster.address import Tls, checked, distributed, no_scheduler, reach, security
 
 STARTING = 60.0
 """Seconds in which a scheduler has to answer."""
@@ -29,25 +28,26 @@ def serve(
 ) -> None:
     """Serves until it is interrupted or the scheduler ends. Raises NotAvailable where there is no scheduler."""
     checked(address, tls)
+    dask_distributed = distributed()
+    shown = security(address, tls, dask_distributed, "worker")
     said = work.about(without)
     for name, versions in said.versions.items():
         of_it = ", ".join(f"{what} {value}" for what, value in versions[work.kind_of(False)].items() if what != "code")
         tell(f"{name}: {of_it}")
     for name, reason in said.absent.items():
         tell(f"not {name}: {reason}")
-    dask_distributed = distributed()
     import dask
 
     # A worker has processes of its own, which daemons may not.
     with dask.config.set({"distributed.worker.daemon": False}):
-        asyncio.run(_serve(dask_distributed, address, count, tls, tell, said, without, memory, scratch))
+        asyncio.run(_serve(dask_distributed, address, count, shown, tell, said, without, memory, scratch))
 
 
 async def _serve(
     dask_distributed: Any,
     address: str,
     count: int,
-    tls: Tls,
+    shown: Any,
     tell: Callable[[str], None],
     said: work.About,
     without: Sequence[str],
@@ -61,7 +61,7 @@ async def _serve(
         "nthreads": 1,
         "resources": said.resources(),
         "memory_limit": memory,
-        "security": tls.security(dask_distributed),
+        "security": shown,
         "death_timeout": STARTING,
         "startup_information": {work.ANY: _About(work.document(said), at_start.steps(), without)},
     }
@@ -69,10 +69,11 @@ async def _serve(
         options["local_directory"] = str(scratch)
     async with contextlib.AsyncExitStack() as stack:
         try:
+            await reach(address, shown, dask_distributed, "worker", STARTING)
             made = [dask_distributed.Nanny(address, **options) for _ in range(count)]
             nannies = await asyncio.gather(*(stack.enter_async_context(nanny) for nanny in made))
-        except (OSError, TimeoutError) as error:
-            raise NotAvailable(f"no scheduler answers at {address}: start one with `dask scheduler`") from error
+        except (OSError, TimeoutError, ValueError, RuntimeError) as error:
+            raise no_scheduler(address, error) from error
         tell(f"{count} worker{'' if count == 1 else 's'} of {said.machine} at {address}; Ctrl-C ends")
         waits = [asyncio.ensure_future(nanny.finished()) for nanny in nannies]
         waits.append(asyncio.ensure_future(ended.wait()))

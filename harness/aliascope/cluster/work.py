@@ -8,10 +8,13 @@ import json
 import pickle
 import socket
 import tempfile
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
+
+from pebble import ProcessExpired
 
 from aliascope import calibration, jobs, logs, places, renderers
 from aliascope.errors import AliascopeError, JobFailed, NotAvailable, Unsupported
@@ -107,6 +110,10 @@ class SentPlugin:
     sha256: str
     contents: bytes
 
+    def whole(self) -> bool:
+        """Whether these are the contents of the hash."""
+        return hashlib.sha256(self.contents).hexdigest() == self.sha256
+
 
 class OtherVersions(JobFailed):
     """A worker that would draw another picture than the job's key says."""
@@ -120,14 +127,48 @@ def hold(packed: bytes) -> bytes:
 def perform(scene: bytes, plugins: Sequence[bytes], packed: bytes) -> bytes:
     """Does a job in a process of its own; gives the packed logs.Answer, of Timed or an error of ours. Runs on a worker,
     which does one at a time."""
-    return pickle.dumps(logs.there(_performed, scene, tuple(plugins), packed), protocol=pickle.HIGHEST_PROTOCOL)
+    return pickle.dumps(_answer(scene, tuple(plugins), packed), protocol=pickle.HIGHEST_PROTOCOL)
 
 
-def _performed(scene: bytes, plugins: tuple[bytes, ...], packed: bytes) -> Timed:
+def _answer(scene: bytes, plugins: tuple[bytes, ...], packed: bytes) -> logs.Answer:
+    """That of the process that renders, with what was logged on the way to it; this worker's own where it gave none."""
+    own = logs.there(_performed, scene, plugins, packed)
+    if own.error is not None:
+        ended = own.error.__cause__
+        process = ended.pid if isinstance(ended, ProcessExpired) and ended.pid else own.place.process
+        return replace(own, place=replace(own.place, process=process, worker=_address()))
+    its: logs.Answer = own.result
+    return replace(
+        its,
+        result=None if its.error else replace(its.result, machine=machine()),
+        place=replace(its.place, worker=_address()),
+        records=own.records + its.records,
+        counts=Counter(own.counts) + Counter(its.counts),
+    )
+
+
+def _worker() -> Any:
+    """Dask's, which this is a task of; None elsewhere."""
+    from distributed import get_worker
+
+    try:
+        return get_worker()
+    except ValueError:
+        return None
+
+
+def _address() -> str:
+    """Of this worker, as the scheduler knows it."""
+    worker = _worker()
+    return "" if worker is None else str(worker.address)
+
+
+def _performed(scene: bytes, plugins: tuple[bytes, ...], packed: bytes) -> logs.Answer:
     sent: Sent = pickle.loads(packed)
     _check(sent)
-    arguments = [hashlib.sha256(scene).hexdigest(), scene, sent.job, sent.options]
-    return replace(_pool(plugins).begin(_render, arguments, sent.limit).result(), machine=machine())
+    pool, paths = _pool(plugins)
+    arguments = [paths, hashlib.sha256(scene).hexdigest(), scene, sent.job, sent.options]
+    return pool.begin(_render, arguments, sent.limit).answer()
 
 
 _left_out: set[str] = set()
@@ -160,26 +201,31 @@ def difference(own: Mapping[str, str], wanted: Mapping[str, str]) -> str:
     return ", ".join("other code of ours" if name == "code" else text for name, text in zip(names, told, strict=True))
 
 
-_pools: dict[tuple[str, ...], Workers] = {}
+_pools: dict[tuple[str, ...], tuple[Workers, list[str]]] = {}
 _folders: list[tempfile.TemporaryDirectory[str]] = []
 
 
-def _pool(plugins: tuple[bytes, ...]) -> Workers:
-    """The process that does the jobs with these plugins: a plugin, once loaded, stays, so others have another."""
+def _pool(plugins: tuple[bytes, ...]) -> tuple[Workers, list[str]]:
+    """The process that does the jobs with these plugins, and their files: a plugin, once loaded, stays, so others have
+    another process."""
     sent: list[SentPlugin] = [pickle.loads(each) for each in plugins]
     key = tuple(each.sha256 for each in sent)
     if key not in _pools:
         for other in list(_pools):
-            _pools.pop(other).__exit__(None, None, None)
-        _pools[key] = Workers(1, plugins=[str(_written(each)) for each in sent]).__enter__()
+            _pools.pop(other)[0].__exit__(None, None, None)
+        paths = [str(_written(each)) for each in sent]
+        # Its tasks load them: what cannot be loaded is then said of each, and ends no process.
+        _pools[key] = Workers(1, plugins=[]).__enter__(), paths
     return _pools[key]
 
 
 def _written(plugin: SentPlugin) -> Path:
-    if hashlib.sha256(plugin.contents).hexdigest() != plugin.sha256:
+    if not plugin.whole():
         raise Unsupported(f"the plugin {plugin.name} did not arrive as it was sent")
     if not _folders:
-        _folders.append(tempfile.TemporaryDirectory(prefix="aliascope-plugins-"))
+        # In dask's folder, which goes with the worker however it ends.
+        where = getattr(_worker(), "local_directory", None)
+        _folders.append(tempfile.TemporaryDirectory(prefix="aliascope-plugins-", dir=where))
     path = Path(_folders[0].name) / plugin.sha256 / Path(plugin.name).name
     path.parent.mkdir(exist_ok=True)
     path.write_bytes(plugin.contents)
@@ -187,11 +233,15 @@ def _written(plugin: SentPlugin) -> Path:
 
 
 def plugins_sent() -> list[SentPlugin]:
-    """Those that are loaded here."""
+    """Those that are loaded here. Raises NotAvailable for one whose file is another now."""
     try:
-        return [SentPlugin(Path(p.path).name, p.sha256, Path(p.path).read_bytes()) for p in samplers.plugins()]
+        sent = [SentPlugin(Path(p.path).name, p.sha256, Path(p.path).read_bytes()) for p in samplers.plugins()]
     except OSError as error:
         raise NotAvailable(f"{error.filename}: cannot be read: {error.strerror}") from error
+    for each in sent:
+        if not each.whole():
+            raise NotAvailable(f"{each.name}: the file of this plugin changed since it was loaded; begin anew")
+    return sent
 
 
 # --- in the process that renders --------------------------------------------------------------------------------------
@@ -200,11 +250,23 @@ _scene: tuple[str, SceneFile] | None = None
 _rendered = 0
 
 
-def _render(digest: str, packed: bytes, job: Job, options: Options) -> Timed:
+def _render(plugins: Sequence[str], digest: str, packed: bytes, job: Job, options: Options) -> Timed:
     """The picture of a job; before every few of them, the fixed job of calibration."""
     global _scene, _rendered
+    _load(plugins)
     if _scene is None or _scene[0] != digest:
         _scene = digest, pickle.loads(packed)
     beats = (calibration.beat(),) if _rendered % calibration.EVERY == 0 else ()
     _rendered += 1
     return replace(render_job(_scene[1], job, options), beats=beats)
+
+
+def _load(plugins: Sequence[str]) -> None:
+    """Those that are loaded already stay. Raises JobFailed."""
+    for path in plugins:
+        try:
+            samplers.load_plugin(path)
+        except AliascopeError as error:
+            name = Path(path).name
+            why = str(error).replace(path, name)
+            raise JobFailed(f"a plugin cannot be loaded on {machine().name}: {why}") from error

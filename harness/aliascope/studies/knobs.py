@@ -14,6 +14,7 @@ from pathlib import Path
 
 from aliascope import jobs, knob_modes, places, references
 from aliascope import plan as plans
+from aliascope.cluster.client import Cluster
 from aliascope.draws import UNMOVED
 from aliascope.jobs import Plan
 from aliascope.pipeline import Options, Progress
@@ -52,13 +53,20 @@ def plan_of(scenes: Sequence[str], chosen: Sequence[str], size: tuple[int, int] 
 
 
 def turn(
-    plan: Plan, folder: Path, options: Options, command: str, progress: Progress, tell: Callable[[str], None]
+    plan: Plan,
+    folder: Path,
+    options: Options,
+    command: str,
+    progress: Progress,
+    tell: Callable[[str], None],
+    cluster: Cluster | None = None,
 ) -> Turned:
-    """Renders, measures and writes the report, as `compare.compare`, which says what is raised."""
+    """Renders, measures and writes the report, as `compare.compare`, which says what is raised. Measures of point sets
+    are timed here, whatever the `cluster`."""
     comparing.check_drawn(plan)
     _make_filter_references(plan, folder / "references", progress)
     measures = knob_measures.knobs(knob_measures.TURNS, knob_measures.SETS, progress)
-    result = comparing.compare(plan, folder, options, command, progress, tell, measures)
+    result = comparing.compare(plan, folder, options, command, progress, tell, measures, cluster)
     return Turned(result, plan, (*analyse(result.data.scenes).knobs, *measures))
 
 
