@@ -167,7 +167,7 @@ bench: all $(C_BENCHES) $(KEPT_RAYS)
 ## install    the C library, its headers and its pkg-config file, to $(DESTDIR)$(prefix)
 prefix ?= /usr/local
 .PHONY: install
-install: TO = $(DESTDIR)$(prefix)
+install: TO = $(if $(filter /%,$(firstword $(prefix))),$(DESTDIR)$(prefix),$(error prefix is a full path: $(prefix) is none))
 install: $(VERSIONED)
 	@install -d "$(TO)/include/aliascope" "$(TO)/lib/pkgconfig"
 	@install -m 644 $(filter-out %/scene.h,$(wildcard csrc/include/aliascope/*.h)) "$(TO)/include/aliascope"

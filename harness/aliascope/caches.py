@@ -28,7 +28,7 @@ PART = ".part"
 """How the names of files end that are half written."""
 ABANDONED = 3600.0
 """Seconds after which a file that is only half written belongs to a process that is gone."""
-_UNITS = {"": 1, "B": 1, "kB": 10**3, "KB": 10**3, "MB": 10**6, "GB": 10**9, "TB": 10**12}
+_UNITS = {"B": 1, "kB": 10**3, "KB": 10**3, "MB": 10**6, "GB": 10**9, "TB": 10**12}
 _UNITS |= {"KiB": 1 << 10, "MiB": 1 << 20, "GiB": 1 << 30, "TiB": 1 << 40}
 
 _used: set[Path] = set()
@@ -153,7 +153,7 @@ def set_limit(most: int) -> Usage:
     part = path.with_name(f".{LIMIT_FILE}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_text(f"{most}\n", encoding="ascii")
+        part.write_text(f"{most} B\n", encoding="ascii")
         part.replace(path)
     except OSError as error:
         raise NotWritable(f"{path}: cannot be written: {error.strerror}") from error
@@ -162,10 +162,10 @@ def set_limit(most: int) -> Usage:
 
 def bytes_of(text: str) -> int:
     """A size as people write it: 200MB, 1.5 GiB, 0. Raises InvalidInput."""
-    found = re.fullmatch(r"(\d{1,15}(?:\.\d{1,9})?) ?([kKMGT]i?B|B|)", text.strip())
-    if found is None or found[2] not in _UNITS:
+    found = re.fullmatch(r"(\d{1,15}(?:\.\d{1,9})?) ?([kKMGT]i?B|B)|0", text.strip())
+    if found is None or (found[2] or "B") not in _UNITS:
         raise InvalidInput(f'"{text}" is no size: a number with its unit, such as 200MB or 1.5GiB')
-    return int(float(found[1]) * _UNITS[found[2]])
+    return int(float(found[1]) * _UNITS[found[2]]) if found[1] else 0
 
 
 def told(size: int) -> str:

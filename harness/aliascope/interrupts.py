@@ -57,7 +57,8 @@ class Interrupts:
         self.pressed += 1
         if self.pressed > 1:
             cursor = b"\x1b[?25h" if sys.stderr.isatty() else b""  # which a progress bar hides
-            os.write(2, cursor + b"aliascope: interrupted twice: ended at once; what was finished is kept\n")
+            told = b"ended at once; what was finished is kept, and the same command goes on from there"
+            os.write(2, cursor + b"aliascope: interrupted twice: " + told + b"\n")
             os._exit(ENDED)
         self.check()
 

@@ -68,7 +68,7 @@ def _parse(data: bytes, path: Path) -> Array:
 
 def _check(triangles: Array, name: str) -> None:
     if len(triangles) == 0:
-        raise InvalidInput(f'"{name}": has no triangles')
+        raise InvalidInput(f'"{name}": has no triangles that are whole: it is empty, or ends before them')
     if triangles.shape[1:] != (3, 3):
         raise InvalidInput(f'"{name}": has corners of {triangles.shape[-1]} coordinates, not x, y and z')
     bad = ~(np.abs(triangles) <= LARGEST_COORDINATE).all(axis=(1, 2))

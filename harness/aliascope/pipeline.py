@@ -212,20 +212,29 @@ class Keeper:
         return replace(outcome, metrics=values)
 
     def whole(self, outcome: Outcome) -> bool:
-        """Whether the files of a kept outcome are what was written. Of one whose hash was not kept, as earlier
-        versions did not: whether it can be read, and has its size."""
+        """Whether the files of a kept outcome are what was written; logs which is not."""
         counts = [counts_path(outcome.image)] if mode_of(outcome.job).name == "adaptive" else []
-        try:
-            for path in (outcome.image, *counts):
-                kept = self._store.file(path)
-                if kept is not None:
-                    if sha256_of(self._folder / path) != kept:
-                        return False
-                elif image.read_image(self._folder / path).shape[:2] != (outcome.job.height, outcome.job.width):
-                    return False
-        except (InvalidInput, OSError):
-            return False
+        for path in (outcome.image, *counts):
+            if (why := self._fault(path, outcome.job)) is not None:
+                text = f"{path} {why}: it is made again"
+                logs.event(logging.INFO, "changed", text, **about(outcome.job), file=path)
+                return False
         return True
+
+    def _fault(self, path: str, job: Job) -> str | None:
+        """What is wrong with a file. Of one whose hash was not kept, as earlier versions did not: whether it can be
+        read, and has its size."""
+        place = self._folder / path
+        kept = self._store.file(path)
+        try:
+            if kept is not None:
+                return None if sha256_of(place) == kept else "is not what was written"
+            size = image.read_image(place).shape[:2]
+        except FileNotFoundError:
+            return "is gone"
+        except (InvalidInput, OSError):
+            return "cannot be read"
+        return None if size == (job.height, job.width) else "has another size"
 
 
 def sha256_of(path: Path) -> str:

@@ -301,6 +301,11 @@ def test_what_has_no_data_is_left_out(open_page: Open, data: ReportData, tmp_pat
     page.goto(written(tmp_path, bare).as_uri())
     wait_ready(page)
     assert page.locator(".trade-section, #loaded, #noise").count() == 0
+    one = replace(data, scenes=(replace(scene, rows=scene.rows[:1]),))
+    (tmp_path / "one").mkdir()
+    page.goto(written(tmp_path / "one", one).as_uri())
+    wait_ready(page)
+    assert page.locator(".trade-section").count() == 0
 
 
 def test_an_address_of_what_is_not_there_shows_the_start(open_page: Open) -> None:

@@ -170,13 +170,13 @@ def test_threads_that_empty_while_others_write() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "size"), [("0", 0), ("200", 200), ("200MB", 200_000_000), ("1.5 GiB", 3 << 29), ("3kB", 3000)]
+    ("text", "size"), [("0", 0), ("200 B", 200), ("200MB", 200_000_000), ("1.5 GiB", 3 << 29), ("3kB", 3000)]
 )
 def test_sizes(text: str, size: int) -> None:
     assert caches.bytes_of(text) == size
 
 
-@pytest.mark.parametrize("text", ["", "-1", "MB", "2 mb", "1e3", "0x10", "5 PB"])
+@pytest.mark.parametrize("text", ["", "-1", "5", "500", "MB", "2 mb", "1e3", "0x10", "5 PB"])
 def test_what_is_no_size(text: str) -> None:
     with pytest.raises(InvalidInput, match="is no size: a number with its unit"):
         caches.bytes_of(text)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import dataclasses
 import json
 import os
@@ -193,6 +194,12 @@ def test_where_nobody_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     words = ("compare", "edge", "-m", "none", "-o", tmp_path / "out", "--cluster", "tcp://127.0.0.1:1")
     assert "no scheduler answers at tcp://127.0.0.1:1" in (told := complaint(*words, code=3))
     assert "dask scheduler" in told
+
+    async def in_a_loop() -> str:
+        """As from a notebook, whose thread has a loop that runs."""
+        return complaint(*words, code=3)
+
+    assert asyncio.run(in_a_loop()) == told
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert "pip install 'aliascope[cluster]'" in complaint(*words, code=3)
 

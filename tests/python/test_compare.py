@@ -265,11 +265,11 @@ def test_a_probe_that_hangs_stops_nothing(tmp_path: Path) -> None:
     real = shutil.which("povray")
     body = f'case "$*" in *+R9*) exec sleep 60;; *) exec {real} "$@";; esac'
     path = environment(fake_povray.install(tmp_path / "bin", body))
-    arguments = ("edge", "-r", "povray", "-m", "none", "--time-limit", "6", "--size", "32x24")
+    arguments = ("edge", "-r", "povray", "-m", "none", "--time-limit", "12", "--size", "32x24")
     document = compare(tmp_path / "out", *arguments, env=path)
     assert (document["pictures"], document["failed"]) == (PLACES, 0)
     (probe,) = document["probes"]
-    assert probe["reason"] == "its probe failed: povray had not ended after 6 s, its time limit, and was killed"
+    assert probe["reason"] == "its probe failed: povray had not ended after 12 s, its time limit, and was killed"
     assert probe["reason"] in (tmp_path / "out" / "report.html").read_text()
     # What failed is tried again; once it has figures, they are kept.
     for _ in range(2):

@@ -131,6 +131,10 @@ def test_files_that_have_rotted_are_made_again(tmp_path: Path) -> None:
     assert code == 0
     assert f"{PICTURES} pictures, {PICTURES - 2} of them from before, 2 made again, as their files were gone or" in text
     assert f"{reference}: was changed since it was made\n" in text
+    logged = [json.loads(line) for line in (folder / "log.jsonl").read_text().splitlines()]
+    assert {(each["file"], each["level"]) for each in logged if each["event"] == "changed"} == {
+        (path.relative_to(folder).as_posix(), "info") for path in (counts, uniform)
+    }
     assert reference.read_bytes() != bytes_of_reference
     assert problems(folder, as_it_was) == []
 

@@ -126,8 +126,9 @@ def test_a_scene_writes_nothing(place: Path, way: Protection, target: str, tmp_p
 
 def test_what_its_text_says_of_writing_is_refused_before(place: Path) -> None:
     scene = place / "scene.pov"
-    scene.write_text(BALL + '#fopen F "new.txt" write')
-    with pytest.raises(errors.InvalidInput, match=r"scene.pov:2: the scene writes files"):
+    scene.write_text(BALL + '#fopen F "old.txt" read\n/* of two\nlines */ #fopen G "new.txt" write')
+    told = r'scene.pov:4: the scene writes files \(lines \*/ #fopen G "new.txt" write\)'
+    with pytest.raises(errors.InvalidInput, match=told):
         povray_file.open_file(scene)
 
 

@@ -117,6 +117,7 @@ def test_versions_name_the_driver() -> None:
     versions = RENDERER.versions()
     assert set(versions) == {"osmesa", "osmesa-driver"}
     assert "Mesa" in versions["osmesa"]
+    render(scene_of([]), "none")
     assert os.environ["LP_NUM_THREADS"] == "0"
 
 
@@ -124,7 +125,8 @@ def test_a_library_that_does_not_load_is_said_to_be_missing(monkeypatch: pytest.
     def missing(name: str, needs: str) -> None:
         raise NotAvailable(f"{needs} cannot be loaded")
 
-    monkeypatch.setattr(raster, "module", missing)
+    for loading in ("said", "module"):
+        monkeypatch.setattr(raster, loading, missing)
     with pytest.raises(NotAvailable, match="libosmesa6"):
         RENDERER.versions()
     with pytest.raises(NotAvailable, match="libosmesa6"):

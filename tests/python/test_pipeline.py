@@ -24,9 +24,20 @@ from aliascope.renderers.base import Request
 from aliascope.store import Store
 
 PACKAGE = Path(aliascope.__file__).parent
-HARMLESS = {"errors.py", "records.py", "draws.py", "places.py", "scratch.py", "logs.py", "sharing.py", "bounded.py"}
+HARMLESS = {
+    "errors.py",
+    "records.py",
+    "draws.py",
+    "places.py",
+    "scratch.py",
+    "logs.py",
+    "sharing.py",
+    "bounded.py",
+    "landlock.py",
+}
 """Imported by renderers, and free of anything that could change a picture: messages, frozen types, how far a film may
-be moved, where files lie, folders for a moment, what is logged, and files that are read whole or refused."""
+be moved, where files lie, folders for a moment, what is logged, files that are read whole or refused, and which a
+process gives up."""
 
 
 def imported(path: Path) -> set[Path]:

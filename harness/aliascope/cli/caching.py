@@ -22,7 +22,7 @@ def cache(
     ] = None,
     limit: Annotated[
         str | None,
-        typer.Option(metavar="SIZE", help="That power's may have from now on, such as 200MB or 1GiB; else 500MB."),
+        typer.Option(metavar="SIZE", help="How large power may grow, from now on: 200MB, 1GiB; 500MB if never said."),
     ] = None,
     prune: Annotated[bool, typer.Option("--prune", help="Remove from DIR what could go.")] = False,
     as_json: Json = False,

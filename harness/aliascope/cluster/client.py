@@ -9,7 +9,7 @@ import pickle
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from types import TracebackType
 from typing import Any, TypeVar
@@ -67,9 +67,15 @@ class Cluster:
         self._held: dict[str, Any] = {}
         self._plugins: list[bytes] = []
 
+    def _reach(self) -> None:
+        """In a thread of its own: where this one has a loop that runs, as a notebook's has, no other can."""
+        with ThreadPoolExecutor(1) as alone:
+            reaching = addresses.reach(self._address, self._security, self._distributed, "client", CONNECTING)
+            alone.submit(asyncio.run, reaching).result()
+
     def __enter__(self) -> Cluster:
         try:
-            asyncio.run(addresses.reach(self._address, self._security, self._distributed, "client", CONNECTING))
+            self._reach()
             self._client = self._distributed.Client(
                 self._address,
                 security=self._security,

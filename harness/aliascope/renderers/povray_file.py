@@ -135,11 +135,12 @@ def open_file(path: Path) -> PovFile:
     _check_place(path)
     texts = _texts(path)
     for name, text in texts:
-        code = _COMMENTS.sub(lambda found: "" if found[0].startswith("/") else '""', text)
+        code = _COMMENTS.sub(_blank, text)
         if found := _WRITES.search(code):
-            line = text[: text.find(found[0].split()[0])].count("\n") + 1
+            line = code.count("\n", 0, found.start())
+            written = " ".join(text.split("\n")[line].split())[:100]
             raise InvalidInput(
-                f"{name}:{line}: the scene writes files ({' '.join(found[0].split())}), which a sweep would do "
+                f"{name}:{line + 1}: the scene writes files ({written}), which a sweep would do "
                 "again for each of its pictures: take that out of a copy"
             )
     if not any("camera" in text.lower() for _, text in texts):
@@ -151,6 +152,11 @@ def open_file(path: Path) -> PovFile:
     if any(re.search(r"\b(?:clock|frame_number)\b", _COMMENTS.sub("", text)) for _, text in texts):
         notes.append("the scene moves with the clock: what was measured is its picture at clock 0")
     return PovFile(path.absolute(), library_paths(), tuple(notes))
+
+
+def _blank(found: re.Match[str]) -> str:
+    """A comment or a string with nothing in it, on as many lines."""
+    return "\n" * found[0].count("\n") if found[0].startswith("/") else '""'
 
 
 def _check_place(path: Path) -> None:

@@ -193,7 +193,7 @@ class Chooser {
 
   line({ renderer, row, reason, best }, metric) {
     const name = h("th", { scope: "row" },
-      h("span", { class: "dot", "aria-hidden": "true" }), renderer, row ? [h("br"), modeName(row)] : null);
+      h("span", { class: "whole" }, h("span", { class: "dot", "aria-hidden": "true" }), renderer), row ? [h("br"), modeName(row)] : null);
     name.querySelector(".dot").style.backgroundColor = colourOf(renderer);
     if (!row) return h("tr", { class: "none" }, name, h("td", { colspan: 2, class: "number" }, reason));
     const [value, error] = estimateOf(row, metric.name);

@@ -165,7 +165,8 @@ function start() {
   plots.forEach((plot) => plot.draw());
   spectra.forEach((spectrum) => spectrum.draw());
   const tables_ = document.getElementById("trade-tables");
-  if (tables_) new TradeTables(tables_);
+  if (tables_ && tabsOfTrade().length) new TradeTables(tables_);
+  else tables_?.closest("section").remove();
   const filters = document.getElementById("filter-panels");
   if (filters) new Filters(filters, documentData.filters);
   keepOpened("pooled", document.getElementById("pooled"));

@@ -164,7 +164,8 @@ def _within(file: PovFile, work: Callable[[], Made], size: tuple[int, int], budg
     except TimeLimit as error:
         raise InvalidInput(
             f"{file.path}: one of the pictures that a reference needs took too long for a budget of {duration(budget)} "
-            f"at {size[0]}x{size[1]}: choose a smaller --size, or a larger --budget"
+            f"at {size[0]}x{size[1]}: choose a smaller --size, or a larger --budget; "
+            "or the scene has no end"
         ) from error
 
 
