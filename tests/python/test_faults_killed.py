@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sqlite3
+import subprocess
+import sys
+import tempfile
 from pathlib import Path
 
 import pytest
-from killed_compares import VICTIMS, Pictures, disturbed, moments, pictures, problems, undisturbed
+from killed_compares import (
+    VICTIMS,
+    Pictures,
+    disturbed,
+    leftovers,
+    moments,
+    pictures,
+    problems,
+    session,
+    undisturbed,
+)
 
+from aliascope import pipeline, scratch
 from aliascope.image import read_image, write_exr
 
 
@@ -28,6 +44,40 @@ def test_what_is_killed_three_times_comes_to_the_same(
     killed, wrong = disturbed(tmp_path / "out", asked, pictures_of_right, seed)
     assert [each.moment for each in killed] == asked
     assert wrong == []
+
+
+def test_processes_end_with_a_parent_that_is_killed_though_their_tasks_are_long() -> None:
+    script = """
+import os, time
+from aliascope.workers import Workers
+pool = Workers(1)
+print(pool.begin(os.getpid, [], 600.0).result(), flush=True)
+pool.begin(time.sleep, [600.0], 600.0)
+time.sleep(600.0)
+"""
+    parent = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True, start_new_session=True)
+    assert parent.stdout is not None
+    assert int(parent.stdout.readline()) in session(parent.pid)
+    parent.kill()
+    parent.wait()
+    try:
+        assert leftovers(parent.pid) == []
+    finally:
+        parent.stdout.close()
+        for left in session(parent.pid):
+            os.kill(left, signal.SIGKILL)
+
+
+def test_a_run_removes_the_scratch_folders_of_one_that_was_killed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    (tmp_path / f"{scratch.PREFIX}povray-abandoned").mkdir()
+    (tmp_path / "another").mkdir()
+    with scratch.scratch_folder("povray", "a test") as held:
+        (tmp_path / f"{scratch.PREFIX}povray-abandoned").mkdir(exist_ok=True)
+        pipeline.remove_unfinished(tmp_path / "results")
+        assert sorted(tmp_path.iterdir()) == sorted([held, tmp_path / "another"])
 
 
 def test_moments_are_spread_over_the_whole_run() -> None:

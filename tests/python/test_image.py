@@ -56,6 +56,17 @@ def test_what_is_no_picture_is_said(tmp_path: Path) -> None:
         read_image(tmp_path / "cut.exr")
 
 
+def test_a_jpeg_that_ends_too_soon_is_no_picture(tmp_path: Path) -> None:
+    """It has pixels all the same, the rest of them grey."""
+    whole, cut = tmp_path / "whole.jpg", tmp_path / "cut.jpg"
+    made = oiio.ImageBuf(np.random.default_rng(1).random((64, 64, 3), np.float32))
+    assert made.write(str(whole))
+    assert read_image(whole).shape == (64, 64, 3)
+    cut.write_bytes(whole.read_bytes()[: whole.stat().st_size // 2])
+    with pytest.raises(InvalidInput, match=r"cut\.jpg: the picture is broken: "):
+        read_image(cut)
+
+
 def test_names_that_are_no_text_are_escaped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     whole, path = tmp_path / "whole.exr", tmp_path / "named.exr"
     write_exr(whole, np.ones((2, 2, 3), np.float32), {"one": "two"})
