@@ -210,7 +210,7 @@ class Workers:
         if kind is None:
             try:
                 self._pool.close()
-                self._pool.join()
+                self._join()
                 return
             except KeyboardInterrupt:
                 self._stop()
@@ -218,11 +218,14 @@ class Workers:
         self._stop()
 
     def _stop(self) -> None:
-        # Pebble removes the names of the semaphores before it ends the processes: one that begins right then would
-        # look for them, and complain.
+        self._pool.stop()
+        self._join()
+
+    def _join(self) -> None:
+        # Pebble removes the names of the semaphores before it ends the processes: one that begins right then, in place
+        # of one that crashed for instance, would look for them, and complain.
         channel = self._pool._pool_manager.worker_manager.workers_channel
         names = None if channel is None else (channel.mutex.reader_mutex, channel.mutex.writer_mutex)
-        self._pool.stop()
         self._pool.join()
         del names
 

@@ -7,6 +7,7 @@ import json
 import os
 import re
 import subprocess
+import sys
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -201,3 +202,22 @@ def test_without_osmesa_and_embree(tmp_path: Path) -> None:
     assert {row["renderer"] for row in document["rows"]} == {"povray"}
     (line,) = compare("-r", "osmesa", code=3).stderr.splitlines()
     assert line.startswith("aliascope: OSMesa (Debian: libosmesa6) cannot be loaded")
+
+
+def test_a_process_that_begins_as_the_others_end_says_nothing() -> None:
+    """In place of one that has crashed, when there is nothing more to do: pebble is made to be slow to end it."""
+    script = """
+import os, time
+import pebble.pool.process as pebbles
+from aliascope.errors import JobFailed
+from aliascope.workers import Workers
+ends = pebbles.stop_process
+pebbles.stop_process = lambda process: (time.sleep(1.0), ends(process))
+with Workers(1) as workers:
+    try:
+        workers.begin(os._exit, [1], 60.0).result()
+    except JobFailed as error:
+        print(error)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=PATIENCE, check=True)
+    assert (done.stdout, done.stderr) == ("its process ended with exit code 1\n", "")
