@@ -41,7 +41,8 @@ def checked(address: str, tls: Tls) -> str:
     files = {"--tls-ca": tls.authority, "--tls-cert": tls.certificate, "--tls-key": tls.key}
     given = {name: path for name, path in files.items() if path is not None}
     if given and len(given) < len(files):
-        raise InvalidInput(f"{', '.join(given)} without {', '.join(set(files) - set(given))}: TLS takes all three")
+        missing = [name for name in files if name not in given]
+        raise InvalidInput(f"{', '.join(given)} without {', '.join(missing)}: TLS takes all three")
     if given and found[1] != "tls":
         raise InvalidInput(f"{address} is not encrypted, whatever --tls-ca says: write tls://")
     for name, path in given.items():
