@@ -7,6 +7,7 @@
 
 #include "made.h"
 #include "pattern.h"
+#include "remote.h"
 #include "vectorise.h"
 
 /* One line a pattern. */
@@ -45,7 +46,7 @@
 #define DECLARE(name) extern const asc_sampler_interface asc_sampler_##name;
 BUILT_IN_SAMPLERS(DECLARE)
 
-#define MOST_PARAMETERS 64
+#define MOST_PARAMETERS ASC_REMOTE_PARAMETERS
 #define MOST_PLUGINS 64
 
 #define ADDRESS(name) &asc_sampler_##name,
@@ -112,7 +113,8 @@ asc_status asc_sampler_create(const asc_sampler_desc *desc, asc_sampler **sample
   if (status == ASC_OK) {
     const asc_sampler_config config = {sizeof config, made->resolved.samples, made->resolved.dimensions,
                                        made->resolved.seed, values};
-    status = made->interface->create(&config, &made->made, error);
+    status = asc_is_remote(made->interface) ? asc_remote_create(made->interface, &config, &made->made, error)
+                                            : made->interface->create(&config, &made->made, error);
   }
   if (status) {
     free(made);
@@ -183,15 +185,14 @@ static asc_status settle(double *points, size_t count) {
 
 #define LEAST_TABLE offsetof(asc_sampler_interface, fill_pixels) /* what every table has */
 
-static asc_status fill_pixels(const asc_sampler *sampler, const asc_range *range, size_t pixels, double *points) {
-  const asc_sampler_interface *interface = sampler->interface;
+asc_status asc_fill_pixels_of(const asc_sampler_interface *interface, const void *state, const asc_range *range,
+                              size_t pixels, double *points) {
   if (interface->struct_size > LEAST_TABLE && interface->fill_pixels)
-    return interface->fill_pixels(sampler->made.state, range, pixels, points);
+    return interface->fill_pixels(state, range, pixels, points);
   asc_range one = *range;
   for (size_t i = 0; i < pixels; i++) {
     one.pixel_x = range->pixel_x + (int32_t)i;
-    const asc_status status =
-        interface->fill(sampler->made.state, &one, points + i * range->sample_count * range->dimension_count);
+    const asc_status status = interface->fill(state, &one, points + i * range->sample_count * range->dimension_count);
     if (status) return status;
   }
   return ASC_OK;
@@ -219,7 +220,7 @@ asc_status asc_sampler_fill_pixels(const asc_sampler *sampler, const asc_range *
     return ASC_INVALID_ARGUMENT;
   asc_status status = check_range(sampler, range);
   if (status || pixels == 0 || range->sample_count == 0 || range->dimension_count == 0) return status;
-  status = fill_pixels(sampler, range, pixels, points);
+  status = asc_fill_pixels_of(sampler->interface, sampler->made.state, range, pixels, points);
   if (status) return status;
   return settle(points, pixels * range->sample_count * range->dimension_count);
 }
@@ -237,6 +238,22 @@ asc_status asc_sampler_weights(const asc_sampler *sampler, uint64_t first, size_
   return ASC_OK;
 }
 
+static int is_kebab_case(const char *name) {
+  const size_t length = strlen(name);
+  return length > 0 && strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789-") == length && name[0] != '-' &&
+         name[length - 1] != '-';
+}
+
+static int is_in_range(const asc_parameter *parameter) {
+  if (parameter->kind == ASC_CHOICE) {
+    double words = 1.0;
+    for (const char *each = parameter->choices; *each; each++) words += *each == '|';
+    return parameter->fallback >= 0.0 && parameter->fallback < words && floor(parameter->fallback) == parameter->fallback;
+  }
+  return isfinite(parameter->minimum) && isfinite(parameter->maximum) && parameter->minimum <= parameter->fallback &&
+         parameter->fallback <= parameter->maximum;
+}
+
 static asc_status check_parameters(const asc_sampler_interface *table, const char *path, asc_error *error) {
   if (table->parameter_count > MOST_PARAMETERS || (table->parameter_count && !table->parameters))
     return asc_fail(error, ASC_PLUGIN, "%s: a sampler has at most %d parameters", path, MOST_PARAMETERS);
@@ -244,18 +261,29 @@ static asc_status check_parameters(const asc_sampler_interface *table, const cha
     const asc_parameter *parameter = &table->parameters[i];
     if (!parameter->name || !parameter->text || (parameter->kind == ASC_CHOICE) != (parameter->choices != NULL))
       return asc_fail(error, ASC_PLUGIN, "%s: parameter %zu lacks its name, text or choices", path, i);
+    if (!is_kebab_case(parameter->name) || parameter->kind > ASC_CHOICE)
+      return asc_fail(error, ASC_PLUGIN, "%s: the name of parameter %zu is not kebab-case, or its kind unknown", path, i);
+    if (!is_in_range(parameter))
+      return asc_fail(error, ASC_PLUGIN, "%s: the default of parameter \"%s\" is not within its range", path,
+                      parameter->name);
   }
   return ASC_OK;
 }
 
-static asc_status register_table(const asc_sampler_interface *table, const char *path, asc_error *error) {
+static asc_status check_table(const asc_sampler_interface *table, const char *path, asc_error *error) {
   if (!table)
     return asc_fail(error, ASC_PLUGIN, "%s: has no \"%s\" for ABI version %u: build it against this version's headers",
                     path, ASC_SAMPLER_INTERFACE_ID, ASC_ABI_VERSION);
   if (table->struct_size < LEAST_TABLE || !table->name || !table->title || !table->source || !table->create ||
       !table->destroy || !table->fill)
     return asc_fail(error, ASC_PLUGIN, "%s: its table of functions is too short or has gaps", path);
-  asc_status status = check_parameters(table, path, error);
+  if (!is_kebab_case(table->name))
+    return asc_fail(error, ASC_PLUGIN, "%s: the name of its sampler is not kebab-case", path);
+  return check_parameters(table, path, error);
+}
+
+asc_status asc_register(const asc_sampler_interface *table, const char *path, asc_error *error) {
+  asc_status status = check_table(table, path, error);
   if (status) return status;
   if (find(table->name))
     return asc_fail(error, ASC_PLUGIN, "%s: a sampler named \"%s\" is there already", path, table->name);
@@ -265,16 +293,29 @@ static asc_status register_table(const asc_sampler_interface *table, const char 
   return ASC_OK;
 }
 
-asc_status asc_plugin_load(const char *path, asc_error *error) {
-  if (!path) return asc_fail(error, ASC_INVALID_ARGUMENT, "asc_plugin_load: no path");
-  void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+static asc_status open_plugin(const char *path, void **library, const asc_sampler_interface **table, asc_error *error) {
+  if (!path) return asc_fail(error, ASC_INVALID_ARGUMENT, "no path of a plugin");
+  *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
   /* NOLINTNEXTLINE(concurrency-mt-unsafe): plugins are loaded before threads, as plugin.h says */
-  if (!library) return asc_fail(error, ASC_PLUGIN, "%s: cannot be loaded: %s", path, dlerror());
+  if (!*library) return asc_fail(error, ASC_PLUGIN, "%s: cannot be loaded: %s", path, dlerror());
   asc_plugin_interface_function function = NULL;
-  void *symbol = dlsym(library, "asc_plugin_interface");
+  void *symbol = dlsym(*library, "asc_plugin_interface");
   memcpy(&function, &symbol, sizeof function); /* ISO C has no cast from object to function pointer */
-  asc_status status = function ? register_table(function(ASC_ABI_VERSION, ASC_SAMPLER_INTERFACE_ID), path, error)
-                               : asc_fail(error, ASC_PLUGIN, "%s: exports no asc_plugin_interface", path);
-  if (status) (void)dlclose(library);
+  if (!function) return asc_fail(error, ASC_PLUGIN, "%s: exports no asc_plugin_interface", path);
+  *table = function(ASC_ABI_VERSION, ASC_SAMPLER_INTERFACE_ID);
+  return check_table(*table, path, error);
+}
+
+asc_status asc_plugin_open(const char *path, const asc_sampler_interface **table, asc_error *error) {
+  void *library = NULL;
+  return open_plugin(path, &library, table, error);
+}
+
+asc_status asc_plugin_load(const char *path, asc_error *error) {
+  void *library = NULL;
+  const asc_sampler_interface *table = NULL;
+  asc_status status = open_plugin(path, &library, &table, error);
+  if (status == ASC_OK) status = asc_register(table, path, error);
+  if (status && library) (void)dlclose(library);
   return status;
 }

@@ -112,6 +112,7 @@ def plugin_versions(mode: Spec) -> dict[str, str]:
     """For provenance: path and hash of the plugins that a mode names, by "plugin NAME"."""
     return {
         f"plugin {name}": f"{sharing.shared(str(plugin.path))} sha256 {plugin.sha256}"
+        + (", trusted" if plugin.trusted else "")  # its time is another then
         for name, plugin in plugins_of(mode).items()
     }
 

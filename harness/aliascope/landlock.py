@@ -26,6 +26,9 @@ _RIGHTS_OF_ABI = {1: 13, 2: 14, 3: 15, 5: 16}
 """How many rights to files there are, from an ABI on: bits from 0."""
 _NETWORK_ABI = 4
 _BIND_AND_CONNECT = 3
+_SCOPE_ABI = 6
+_SOCKETS_AND_SIGNALS = 3
+"""Those of processes that are not held by the same rules."""
 _OF_FILES = _EXECUTE | _WRITE | _READ | 1 << 14 | 1 << 15
 """Rights that a file can have by itself; the others are those of folders."""
 
@@ -62,12 +65,14 @@ DEVICES = (Path("/dev/null"), Path("/dev/urandom"))
 
 def ruleset(readable: Sequence[Path], writable: Sequence[Path], *, programs: bool = True) -> int:
     """A file descriptor of rules, to be closed: what lies below `readable` can be read, and started where `programs`,
-    below `writable` read and written, nothing else, and no TCP. What is not there is passed over. Raises OSError."""
+    below `writable` read and written, nothing else, no TCP, and no signal to a process outside. What is not there is
+    passed over. Raises OSError."""
     assert _LIBC is not None
     rights = (1 << max(count for least, count in _RIGHTS_OF_ABI.items() if least <= abi())) - 1
-    rules = _Ruleset(rights, _BIND_AND_CONNECT if closes_network() else 0, 0)
-    # Of the structure as the oldest version has it, one that knows no network takes its first field alone.
-    size = 16 if closes_network() else 8
+    scoped = abi() >= _SCOPE_ABI
+    rules = _Ruleset(rights, _BIND_AND_CONNECT if closes_network() else 0, _SOCKETS_AND_SIGNALS if scoped else 0)
+    # A version takes the fields that it knows.
+    size = 24 if scoped else 16 if closes_network() else 8
     made = int(_LIBC.syscall(_CREATE, ctypes.byref(rules), ctypes.c_size_t(size), 0))
     if made < 0:
         raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))

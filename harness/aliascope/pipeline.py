@@ -150,8 +150,8 @@ def repeat_command(job: Job, time_limit: float = Request.time_limit) -> str:
         words += ["--shift", text_of(job.shift)]
     if time_limit != Request.time_limit:
         words += ["--time-limit", f"{time_limit:g}"]
-    for path in dict.fromkeys(plugin.path for plugin in plugins_of(mode_of(job)).values()):
-        words += ["--plugin", path]
+    for plugin in dict.fromkeys(plugins_of(mode_of(job)).values()):
+        words += [plugin.option, plugin.path]
     return sharing.command_line(words)
 
 

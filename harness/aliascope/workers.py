@@ -182,13 +182,13 @@ class Pool(Protocol):
 class Workers:
     """Processes that a crash or a time limit of one task leaves standing; started afresh, not forked, since the parent
     has threads, and only once there is a task. Use as a context manager: what is not done when it ends by an exception
-    is dropped. plugins: files of samplers, in place of those that are loaded here."""
+    is dropped. plugins: in place of those that are loaded here."""
 
     elsewhere = False
 
-    def __init__(self, processes: int, plugins: Sequence[str] | None = None) -> None:
+    def __init__(self, processes: int, plugins: Sequence[samplers.Plugin] | None = None) -> None:
         self.window = self.processes = processes
-        self._plugins = [plugin.path for plugin in samplers.plugins()] if plugins is None else list(plugins)
+        self._plugins = list(samplers.plugins() if plugins is None else plugins)
         _begin_tracker()
         self._renewals = 0
         self._pool = self._new_pool()
@@ -283,12 +283,12 @@ def _broken(pool: ProcessPool) -> bool:
     return bool(pool._context.status == PoolStatus.ERROR)
 
 
-def _begin(plugins: list[str], steps: list[at_start.Step]) -> None:
+def _begin(plugins: list[samplers.Plugin], steps: list[at_start.Step]) -> None:
     pebble.CONSTS.channel_lock_timeout = PIPE_PATIENCE
     alone.load_at_once()
     threading.Thread(target=_end_with_parent, daemon=True).start()
     for plugin in plugins:
-        samplers.load_plugin(plugin)
+        samplers.load_plugin(plugin.path, trusted=plugin.trusted)
     for function, arguments in steps:
         function(*arguments)
 

@@ -29,7 +29,8 @@
   X(UNAVAILABLE, 7, "a library that this needs is missing or failed to start")                                         \
   X(PLUGIN, 8, "the plugin could not be loaded")                                                                       \
   X(NUMERIC, 9, "a result is not a finite number")                                                                     \
-  X(OUT_OF_RANGE, 10, "a sampler gave a value outside [0, 1)")
+  X(OUT_OF_RANGE, 10, "a sampler gave a value outside [0, 1)")                                                         \
+  X(ENDED, 11, "the process of the plugin has ended")
 
 #define ASC_STATUS_ENUM(name, number, text) ASC_##name = number,
 typedef enum asc_status { ASC_STATUS_LIST(ASC_STATUS_ENUM) } asc_status;

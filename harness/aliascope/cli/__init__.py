@@ -55,9 +55,12 @@ __all__ = [
 ALONE = ("-v", "--verbose", "-q", "--quiet")
 """The options of all commands that have no value."""
 
+OF_PLUGINS = ("--plugin", "--trust-plugin")
+"""Those that have one."""
+
 
 def _common_first(words: list[str]) -> list[str]:
-    """The command line with the options of all commands, --plugin F.so, -v and -q, before the command, where they are
+    """The command line with the options of all commands, of plugins, -v and -q, before the command, where they are
     declared."""
     first: list[str] = []
     rest: list[str] = []
@@ -65,10 +68,10 @@ def _common_first(words: list[str]) -> list[str]:
         word, *words = words
         if word == "--":
             return [*first, *rest, word, *words]
-        if word == "--plugin" and words:
+        if word in OF_PLUGINS and words:
             first += [word, words.pop(0)]
         else:
-            (first if word in ALONE or word.startswith("--plugin=") else rest).append(word)
+            (first if word in ALONE or word.partition("=")[0] in OF_PLUGINS else rest).append(word)
     return [*first, *rest]
 
 

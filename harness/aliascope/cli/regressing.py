@@ -85,7 +85,7 @@ def _options(time_limit: float) -> tuple[str, ...]:
 
     words = [] if time_limit == Asked.time_limit else ["--time-limit", f"{time_limit:g}"]
     for plugin in samplers.plugins():
-        words += ["--plugin", str(plugin.path)]
+        words += [plugin.option, plugin.path]
     return tuple(words)
 
 

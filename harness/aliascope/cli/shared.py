@@ -58,7 +58,16 @@ def _root(
     ] = False,
     plugin: Annotated[
         list[str] | None,
-        typer.Option(metavar="F.so", help="A sampler of yours; may stand several times."),
+        typer.Option(
+            metavar="F.so",
+            help="A sampler, run in a process of its own that reaches no files, programs or network; as often as needed.",
+        ),
+    ] = None,
+    trust_plugin: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="F.so", help="A sampler of yours, run inside of the renderer: at its full speed, with all your rights."
+        ),
     ] = None,
     verbose: Annotated[
         bool,
@@ -75,11 +84,13 @@ def _root(
     if verbose and quiet:
         raise InvalidInput("--verbose and --quiet: give one of them")
     logs.tell(verbose, quiet)
-    if plugin:
+    if plugin or trust_plugin:
         from aliascope.native.samplers import load_plugin
 
-        for path in plugin:
+        for path in plugin or ():
             load_plugin(path)
+        for path in trust_plugin or ():
+            load_plugin(path, trusted=True)
 
 
 def size_of(text: str | None) -> tuple[int, int] | None:

@@ -109,6 +109,7 @@ class SentPlugin:
     name: str
     sha256: str
     contents: bytes
+    trusted: bool
 
     def whole(self) -> bool:
         """Whether these are the contents of the hash."""
@@ -201,21 +202,21 @@ def difference(own: Mapping[str, str], wanted: Mapping[str, str]) -> str:
     return ", ".join("other code of ours" if name == "code" else text for name, text in zip(names, told, strict=True))
 
 
-_pools: dict[tuple[str, ...], tuple[Workers, list[str]]] = {}
+_pools: dict[tuple[tuple[str, bool], ...], tuple[Workers, list[tuple[str, bool]]]] = {}
 _folders: list[tempfile.TemporaryDirectory[str]] = []
 
 
-def _pool(plugins: tuple[bytes, ...]) -> tuple[Workers, list[str]]:
-    """The process that does the jobs with these plugins, and their files: a plugin, once loaded, stays, so others have
+def _pool(plugins: tuple[bytes, ...]) -> tuple[Workers, list[tuple[str, bool]]]:
+    """The process that does the jobs with these plugins, and their files, with whether they are trusted: a plugin, once loaded, stays, so others have
     another process."""
     sent: list[SentPlugin] = [pickle.loads(each) for each in plugins]
-    key = tuple(each.sha256 for each in sent)
+    key = tuple((each.sha256, each.trusted) for each in sent)
     if key not in _pools:
         for other in list(_pools):
             _pools.pop(other)[0].__exit__(None, None, None)
-        paths = [str(_written(each)) for each in sent]
+        files = [(str(_written(each)), each.trusted) for each in sent]
         # Its tasks load them: what cannot be loaded is then said of each, and ends no process.
-        _pools[key] = Workers(1, plugins=[]).__enter__(), paths
+        _pools[key] = Workers(1, plugins=[]).__enter__(), files
     return _pools[key]
 
 
@@ -235,7 +236,7 @@ def _written(plugin: SentPlugin) -> Path:
 def plugins_sent() -> list[SentPlugin]:
     """Those that are loaded here. Raises NotAvailable for one whose file is another now."""
     try:
-        sent = [SentPlugin(Path(p.path).name, p.sha256, Path(p.path).read_bytes()) for p in samplers.plugins()]
+        sent = [SentPlugin(Path(p.path).name, p.sha256, Path(p.path).read_bytes(), p.trusted) for p in samplers.plugins()]
     except OSError as error:
         raise NotAvailable(f"{error.filename}: cannot be read: {error.strerror}") from error
     for each in sent:
@@ -250,7 +251,7 @@ _scene: tuple[str, SceneFile] | None = None
 _rendered = 0
 
 
-def _render(plugins: Sequence[str], digest: str, packed: bytes, job: Job, options: Options) -> Timed:
+def _render(plugins: Sequence[tuple[str, bool]], digest: str, packed: bytes, job: Job, options: Options) -> Timed:
     """The picture of a job; before every few of them, the fixed job of calibration."""
     global _scene, _rendered
     _load(plugins)
@@ -261,11 +262,11 @@ def _render(plugins: Sequence[str], digest: str, packed: bytes, job: Job, option
     return replace(render_job(_scene[1], job, options), beats=beats)
 
 
-def _load(plugins: Sequence[str]) -> None:
+def _load(plugins: Sequence[tuple[str, bool]]) -> None:
     """Those that are loaded already stay. Raises JobFailed."""
-    for path in plugins:
+    for path, trusted in plugins:
         try:
-            samplers.load_plugin(path)
+            samplers.load_plugin(path, trusted=trusted)
         except AliascopeError as error:
             name = Path(path).name
             why = str(error).replace(path, name)

@@ -4,10 +4,20 @@ from __future__ import annotations
 
 import functools
 import importlib
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from aliascope import places
-from aliascope.errors import AliascopeError, InvalidInput, JobFailed, NotAvailable, NotFinite, SpecError, Unsupported
+from aliascope.errors import (
+    AliascopeError,
+    InvalidInput,
+    JobFailed,
+    NotAvailable,
+    NotFinite,
+    SpecError,
+    Unsupported,
+    one_line,
+)
 from aliascope.native import alone
 
 _EXCEPTIONS: dict[str, type[AliascopeError]] = {
@@ -20,6 +30,10 @@ _EXCEPTIONS: dict[str, type[AliascopeError]] = {
     "PLUGIN": InvalidInput,
     "NUMERIC": NotFinite,
 }
+
+
+plugin_endings: list[Callable[[], Iterator[str]]] = []
+"""Who knows how processes of plugins have ended."""
 
 
 @functools.cache
@@ -66,13 +80,15 @@ def check(compiled: Any, status: int, box: Any = None) -> None:
         return
     text = compiled.ffi.string(box.text).decode(errors="replace") if box is not None else ""
     name = str(compiled.ffi.typeof("asc_status").elements.get(status, "")).removeprefix("ASC_")
-    fallback = compiled.ffi.string(compiled.lib.asc_status_text(status)).decode()
-    raise _EXCEPTIONS.get(name, JobFailed)(text or fallback)
+    said = text or compiled.ffi.string(compiled.lib.asc_status_text(status)).decode()
+    if name == "ENDED":
+        said = ": ".join([said, *(how for ask in plugin_endings for how in ask())])
+    raise _EXCEPTIONS.get(name, JobFailed)(said)
 
 
 def text(compiled: Any, pointer: Any) -> str:
-    """A string of the library's."""
-    return str(compiled.ffi.string(pointer).decode())
+    """A string of the library's, which may be a plugin's."""
+    return one_line(str(compiled.ffi.string(pointer).decode(errors="replace")))
 
 
 def keys(compiled: Any, info: Any) -> tuple[str, ...]:

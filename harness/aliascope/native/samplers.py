@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aliascope.errors import JobFailed, NotFinite, SpecError, Unsupported, near_misses, whole
-from aliascope.native import loading
+from aliascope.errors import InvalidInput, JobFailed, NotFinite, SpecError, Unsupported, near_misses, whole
+from aliascope.native import loading, plugin_process
 from aliascope.native.loading import check, error_box, keys, module, text
 
 
@@ -63,6 +64,7 @@ class Sampler:
         desc.groups, desc.group_count = sizes, len(groups)
         desc.arrangement = getattr(library.lib, f"ASC_ARRANGEMENT_{arrangement.upper()}")
         out, box = library.ffi.new("asc_sampler **"), error_box(library.ffi)
+        plugin_process.renew()
         check(library, library.lib.asc_sampler_arrange(desc, out, box), box)
         self.handle = library.ffi.gc(out[0], library.lib.asc_sampler_destroy)
         self.dimensions = sum(groups)
@@ -179,26 +181,44 @@ def refusal(spec: str, n: int, dimensions: Dimensions = 2, arrangement: str = "j
 
 @dataclass(frozen=True)
 class Plugin:
-    """A plugin that is loaded: its resolved path, the SHA-256 of the file, the names of the samplers it registered."""
+    """A plugin that is loaded: its resolved path, the SHA-256 of the file, the names of the samplers it registered, and
+    whether it runs in this process, trusted, not behind a fence in its own."""
 
     path: str
     sha256: str
     samplers: tuple[str, ...]
+    trusted: bool
+
+    @property
+    def option(self) -> str:
+        """Of the command line, before the path."""
+        return option_of(self.trusted)
+
+
+def option_of(trusted: bool) -> str:
+    """The option that loads a plugin."""
+    return "--trust-plugin" if trusted else "--plugin"
 
 
 _plugins: dict[str, Plugin] = {}
 
 
-def load_plugin(path: str) -> None:
-    """Registers the sampler of a plugin; one that is loaded already stays. Raises InvalidInput."""
+def load_plugin(path: str, *, trusted: bool = False) -> None:
+    """Registers the sampler of a plugin, which runs in a process of its own behind a fence, as `plugin_fence` says; a
+    trusted one in this process, with all that this may do. One that is loaded already stays. Raises InvalidInput."""
     resolved = str(Path(path).resolve())
     if resolved in _plugins:
+        if _plugins[resolved].trusted != trusted:
+            raise InvalidInput(f"{path}: give it with --plugin or with --trust-plugin, not with both")
         return
     library, box = _library(), error_box(_library().ffi)
     known = library.lib.asc_sampler_count()
-    check(library, library.lib.asc_plugin_load(resolved.encode(), box), box)
+    if trusted:
+        check(library, library.lib.asc_plugin_load(os.fsencode(resolved), box), box)
+    else:
+        plugin_process.begin(resolved)
     names = tuple(info.name for info in registered()[known:])
-    _plugins[resolved] = Plugin(resolved, hashlib.sha256(Path(resolved).read_bytes()).hexdigest(), names)
+    _plugins[resolved] = Plugin(resolved, hashlib.sha256(Path(resolved).read_bytes()).hexdigest(), names, trusted)
 
 
 def plugins() -> tuple[Plugin, ...]:

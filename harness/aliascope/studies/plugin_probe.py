@@ -1,27 +1,23 @@
 """One check of a plugin, in a process that may crash or hang: python -m aliascope.studies.plugin_probe FD CHECK PATH
 [SPEC]. The file FD gets, at NOTE_AT, what is being done, and at RESULT_AT, in the end, what came out, as JSON.
 
-The plugin may be anybody's: where the system has Landlock, the process can read the plugin's folder, its own libraries
-and Python's alone, write nothing, start no program, and has no network, before a line of the plugin runs."""
+The plugin may be anybody's: the process is held as `plugin_fence` says before a line of the plugin runs."""
 
 from __future__ import annotations
 
 import ctypes
 import json
 import os
-import resource
 import signal
 import sys
 from pathlib import Path
 from typing import Any
 
-from aliascope import landlock, places
+from aliascope.native import plugin_fence
 
 NOTE_AT, NOTE_BYTES, RESULT_AT = 0, 400, 4096
 TABLE = "table"
-LARGEST_FILE = 1 << 26
-LEAST_MEMORY = 1 << 30
-_NEW_USER, _NEW_NETWORK = 0x10000000, 0x40000000  # CLONE_NEWUSER, CLONE_NEWNET of linux/sched.h
+MEMORY_SHARE = 1 / 2
 _SET_PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of linux/prctl.h
 
 
@@ -46,27 +42,6 @@ def run_check(check: str, path: str, spec: str | None, note: Any) -> dict[str, s
     return {"status": "ok", "text": finding.text, "digest": finding.digest}
 
 
-def confine(plugin: Path) -> None:
-    """Limits hold everywhere: on memory, on files, on processes. A plugin in the home folder itself is read alone."""
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
-    for which, most in (
-        (resource.RLIMIT_CORE, 0),
-        (resource.RLIMIT_FSIZE, LARGEST_FILE),
-        (resource.RLIMIT_AS, max(LEAST_MEMORY, memory)),
-    ):
-        hard = resource.getrlimit(which)[1]
-        within = most if hard == resource.RLIM_INFINITY else min(most, hard)
-        resource.setrlimit(which, (within, within))
-    ctypes.CDLL(None).unshare(_NEW_USER | _NEW_NETWORK)  # which not every system grants
-    if not landlock.abi():
-        return
-    beside = plugin if Path("~").expanduser().resolve().is_relative_to(plugin.parent) else plugin.parent
-    own = (Path(sys.prefix), Path(sys.base_prefix), places.PACKAGE, Path("/proc/self"))
-    rules = landlock.ruleset((*landlock.SYSTEM, *own, beside), landlock.DEVICES, programs=False)
-    landlock.restrict(rules)
-    os.close(rules)
-
-
 def main() -> None:
     file, check, path, *rest = sys.argv[1:]
     fd = int(file)
@@ -74,7 +49,7 @@ def main() -> None:
     def note(text: str) -> None:
         os.pwrite(fd, text.encode()[:NOTE_BYTES].ljust(NOTE_BYTES), NOTE_AT)
 
-    confine(Path(path))
+    plugin_fence.hold(Path(path), plugin_fence.memory_limit(MEMORY_SHARE))
     ctypes.CDLL(None).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)  # which another user namespace forgets
     note("while it was loaded")
     result = run_check(check, path, rest[0] if rest else None, note)
