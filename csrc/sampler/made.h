@@ -22,8 +22,8 @@ asc_status asc_register(const asc_sampler_interface *table, const char *path, as
 /* Loads a plugin and checks its table, without registering it. */
 asc_status asc_plugin_open(const char *path, const asc_sampler_interface **table, asc_error *error);
 
-/* asc_sampler_fill_pixels, of a plugin's own functions. */
-asc_status asc_fill_pixels_of(const asc_sampler_interface *interface, const void *state, const asc_range *range,
-                              size_t pixels, double *points);
+/* asc_sampler_fill_area, of a plugin's own functions. */
+asc_status asc_fill_area_of(const asc_sampler_interface *interface, const void *state, const asc_range *range,
+                            uint32_t columns, size_t first, size_t pixels, double *points);
 
 #endif

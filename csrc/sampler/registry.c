@@ -113,8 +113,11 @@ asc_status asc_sampler_create(const asc_sampler_desc *desc, asc_sampler **sample
   if (status == ASC_OK) {
     const asc_sampler_config config = {sizeof config, made->resolved.samples, made->resolved.dimensions,
                                        made->resolved.seed, values};
-    status = asc_is_remote(made->interface) ? asc_remote_create(made->interface, &config, &made->made, error)
-                                            : made->interface->create(&config, &made->made, error);
+    const int remote = asc_is_remote(made->interface);
+    status = remote ? asc_remote_create(made->interface, &config, &made->made, error)
+                    : made->interface->create(&config, &made->made, error);
+    made->made.traits &= ~(uint32_t)ASC_TRAIT_DISTANT;
+    if (remote) made->made.traits |= ASC_TRAIT_DISTANT;
   }
   if (status) {
     free(made);
@@ -185,7 +188,7 @@ static asc_status settle(double *points, size_t count) {
 
 #define LEAST_TABLE offsetof(asc_sampler_interface, fill_pixels) /* what every table has */
 
-asc_status asc_fill_pixels_of(const asc_sampler_interface *interface, const void *state, const asc_range *range,
+static asc_status fill_pixels(const asc_sampler_interface *interface, const void *state, const asc_range *range,
                               size_t pixels, double *points) {
   if (interface->struct_size > LEAST_TABLE && interface->fill_pixels)
     return interface->fill_pixels(state, range, pixels, points);
@@ -193,6 +196,21 @@ asc_status asc_fill_pixels_of(const asc_sampler_interface *interface, const void
   for (size_t i = 0; i < pixels; i++) {
     one.pixel_x = range->pixel_x + (int32_t)i;
     const asc_status status = interface->fill(state, &one, points + i * range->sample_count * range->dimension_count);
+    if (status) return status;
+  }
+  return ASC_OK;
+}
+
+asc_status asc_fill_area_of(const asc_sampler_interface *interface, const void *state, const asc_range *range,
+                            uint32_t columns, size_t first, size_t pixels, double *points) {
+  asc_range part = *range;
+  for (size_t done = 0, count; done < pixels; done += count) {
+    const size_t column = (first + done) % columns;
+    count = columns - column < pixels - done ? columns - column : pixels - done;
+    part.pixel_x = range->pixel_x + (int32_t)column;
+    part.pixel_y = range->pixel_y + (int32_t)((first + done) / columns);
+    double *into = points + done * range->sample_count * range->dimension_count;
+    const asc_status status = fill_pixels(interface, state, &part, count, into);
     if (status) return status;
   }
   return ASC_OK;
@@ -220,7 +238,26 @@ asc_status asc_sampler_fill_pixels(const asc_sampler *sampler, const asc_range *
     return ASC_INVALID_ARGUMENT;
   asc_status status = check_range(sampler, range);
   if (status || pixels == 0 || range->sample_count == 0 || range->dimension_count == 0) return status;
-  status = asc_fill_pixels_of(sampler->interface, sampler->made.state, range, pixels, points);
+  status = fill_pixels(sampler->interface, sampler->made.state, range, pixels, points);
+  if (status) return status;
+  return settle(points, pixels * range->sample_count * range->dimension_count);
+}
+
+/* Whether the pixels of an area have places. */
+static int has_places(const asc_range *range, uint32_t columns, size_t first, size_t pixels) {
+  const uint64_t right = (uint64_t)((int64_t)INT32_MAX - range->pixel_x), down = (uint64_t)((int64_t)INT32_MAX - range->pixel_y);
+  return columns > 0 && columns - 1 <= right && first <= SIZE_MAX - pixels && (first + pixels) / columns <= down;
+}
+
+asc_status asc_sampler_fill_area(const asc_sampler *sampler, const asc_range *range, uint32_t columns, size_t first,
+                                 size_t pixels, double *points) {
+  if (!sampler || !range || !points || !has_places(range, columns, first, pixels)) return ASC_INVALID_ARGUMENT;
+  asc_status status = check_range(sampler, range);
+  if (status || pixels == 0 || range->sample_count == 0 || range->dimension_count == 0) return status;
+  const void *state = sampler->made.state;
+  status = sampler->made.traits & ASC_TRAIT_DISTANT
+               ? asc_remote_fill_area(state, range, columns, first, pixels, points)
+               : asc_fill_area_of(sampler->interface, state, range, columns, first, pixels, points);
   if (status) return status;
   return settle(points, pixels * range->sample_count * range->dimension_count);
 }

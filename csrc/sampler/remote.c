@@ -1,8 +1,10 @@
-#define _GNU_SOURCE /* strdup, clock_gettime */
+#define _GNU_SOURCE /* strdup, clock_gettime, sched_getcpu */
 #include "remote.h"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -11,6 +13,7 @@
 #include <unistd.h>
 
 #define LOOK_EVERY 0.05  /* s between looks at whether the host lives, while it has not answered */
+#define YIELDS 64        /* before it sleeps: the host's thread runs on the same processor (host.c, follow) */
 #define MOST_CHANNELS 64 /* as `taken` has bits */
 
 /* One host. Its states hold it, and the plugin while it is the plugin's newest. */
@@ -63,7 +66,7 @@ static void release(connection *host) {
 static connection *connect_to(int memory, int alive, double time_limit) {
   connection *host = calloc(1, sizeof *host);
   if (!host) return NULL;
-  *host = (connection){.alive = dup(alive), .time_limit = time_limit};
+  *host = (connection){.alive = fcntl(alive, F_DUPFD_CLOEXEC, 0), .time_limit = time_limit};
   host->memory = host->alive < 0 ? NULL : asc_remote_map(memory, &host->bytes);
   if (!host->memory) {
     if (host->alive >= 0) (void)close(host->alive);
@@ -102,8 +105,13 @@ static asc_status end(connection *host) {
 
 /* ASC_OK once it is the client's turn; ASC_ENDED where the host is gone, or takes longer than it may. */
 static asc_status wait_for(connection *host, _Atomic uint32_t *turn) {
+  uint32_t seen = atomic_load(turn);
+  for (int i = 0; i < YIELDS && seen != ASC_REMOTE_ANSWERED; i++) {
+    (void)sched_yield();
+    seen = atomic_load(turn);
+  }
+  if (seen == ASC_REMOTE_ANSWERED) return ASC_OK;
   const double limit = now() + host->time_limit;
-  uint32_t seen;
   while ((seen = atomic_load(turn)) != ASC_REMOTE_ANSWERED) {
     if (atomic_load(&host->ended)) return ASC_ENDED;
     asc_remote_sleep(turn, seen, LOOK_EVERY);
@@ -141,6 +149,7 @@ static void give_back(connection *host, const asc_remote_channel *channel) {
 /* A status that a sampler may give; a code that none has is that of a host that cannot be believed. */
 static asc_status ask(connection *host, asc_remote_channel *channel, asc_remote_question question) {
   channel->question = (uint32_t)question;
+  channel->processor = sched_getcpu();
   asc_remote_say(&channel->turn, ASC_REMOTE_ASKED);
   const asc_status status = wait_for(host, &channel->turn);
   if (status) return status;
@@ -204,12 +213,15 @@ static void destroy(void *opaque) {
   free(held);
 }
 
-/* Has a range filled that fits into a channel. */
-static asc_status fill_part(const state *held, const asc_range *range, size_t pixels, double *points) {
+/* Has a range of pixels filled that fits into a channel. */
+static asc_status fill_part(const state *held, const asc_range *range, uint32_t columns, size_t first, size_t pixels,
+                            double *points) {
   asc_remote_channel *channel = take(held->host);
   if (!channel) return ASC_ENDED;
   channel->state = held->handle;
   channel->range = *range;
+  channel->columns = columns;
+  channel->first = first;
   channel->pixels = pixels;
   const asc_status status = ask(held->host, channel, ASC_REMOTE_FILL);
   if (status == ASC_ENDED) return status;
@@ -220,34 +232,41 @@ static asc_status fill_part(const state *held, const asc_range *range, size_t pi
 
 /* One pixel, in as many parts as it takes: of whole samples, or of one sample each where that has too many numbers. */
 static asc_status fill(const void *opaque, const asc_range *range, double *points) {
-  const size_t width = range->dimension_count < ASC_REMOTE_DOUBLES ? range->dimension_count : ASC_REMOTE_DOUBLES;
-  const size_t rows = width < range->dimension_count ? 1 : ASC_REMOTE_DOUBLES / width;
+  const uint32_t all = range->dimension_count, width = all < ASC_REMOTE_DOUBLES ? all : ASC_REMOTE_DOUBLES;
+  const size_t rows = width < all ? 1 : ASC_REMOTE_DOUBLES / width;
   for (size_t row = 0; row < range->sample_count; row += rows)
-    for (size_t column = 0; column < range->dimension_count; column += width) {
+    for (uint32_t column = 0; column < all; column += width) {
       asc_range part = *range;
       part.first_sample += row;
       part.sample_count = range->sample_count - row < rows ? range->sample_count - row : rows;
-      part.first_dimension += (uint32_t)column;
-      part.dimension_count = (uint32_t)(range->dimension_count - column < width ? range->dimension_count - column : width);
-      const asc_status status = fill_part(opaque, &part, 1, points + row * range->dimension_count + column);
+      part.first_dimension += column;
+      part.dimension_count = all - column < width ? all - column : width;
+      const asc_status status = fill_part(opaque, &part, 1, 0, 1, points + row * all + column);
       if (status) return status;
     }
   return ASC_OK;
 }
 
-static asc_status fill_pixels(const void *opaque, const asc_range *range, size_t pixels, double *points) {
+asc_status asc_remote_fill_area(const void *opaque, const asc_range *range, uint32_t columns, size_t first,
+                                size_t pixels, double *points) {
   const size_t most = ASC_REMOTE_DOUBLES / range->dimension_count / range->sample_count;
   const size_t each = range->sample_count * range->dimension_count;
-  asc_range part = *range;
-  for (size_t first = 0; first < pixels;) {
-    const size_t count = most < 1 ? 1 : pixels - first < most ? pixels - first : most;
-    part.pixel_x = range->pixel_x + (int32_t)first;
-    const asc_status status = most < 1 ? fill(opaque, &part, points + first * each)
-                                       : fill_part(opaque, &part, count, points + first * each);
-    if (status) return status;
-    first += count;
+  asc_status status = ASC_OK;
+  for (size_t done = 0; done < pixels && most > 0 && !status; done += most) {
+    const size_t part = pixels - done < most ? pixels - done : most;
+    status = fill_part(opaque, range, columns, first + done, part, points + done * each);
   }
-  return ASC_OK;
+  for (size_t done = 0; done < pixels && most == 0 && !status; done++) {
+    asc_range one = *range;
+    one.pixel_x += (int32_t)((first + done) % columns);
+    one.pixel_y += (int32_t)((first + done) / columns);
+    status = fill(opaque, &one, points + done * each);
+  }
+  return status;
+}
+
+static asc_status fill_pixels(const void *opaque, const asc_range *range, size_t pixels, double *points) {
+  return asc_remote_fill_area(opaque, range, (uint32_t)pixels, 0, pixels, points);
 }
 
 static asc_status weights(const void *opaque, uint64_t first, size_t count, double *made) {

@@ -19,16 +19,17 @@ typedef enum asc_remote_turn { ASC_REMOTE_IDLE = 0, ASC_REMOTE_ASKED = 1, ASC_RE
 typedef enum asc_remote_question {
   ASC_REMOTE_CREATE,  /* of samples, dimensions and seed, with the values in `data` */
   ASC_REMOTE_DESTROY, /* the state */
-  ASC_REMOTE_FILL,    /* the range, of `pixels`, into `data` */
+  ASC_REMOTE_FILL,    /* the range, of `pixels` from `first` on in rows of `columns`, into `data` */
   ASC_REMOTE_WEIGHTS  /* of the range's samples, into `data` */
 } asc_remote_question;
 
 typedef struct asc_remote_channel {
   _Atomic uint32_t turn; /* an asc_remote_turn; both sides sleep on it */
   uint32_t question;
+  int32_t processor; /* that the client runs on */
   uint64_t state; /* as `create` gave it; of no meaning to the client */
-  uint64_t samples, seed, pixels;
-  uint32_t dimensions;
+  uint64_t samples, seed, first, pixels;
+  uint32_t dimensions, columns;
   asc_range range;
   /* The answer. */
   uint32_t status, traits;
@@ -68,5 +69,7 @@ void *asc_remote_map(int memory, size_t *bytes);
 int asc_is_remote(const asc_sampler_interface *interface);
 asc_status asc_remote_create(const asc_sampler_interface *interface, const asc_sampler_config *config,
                              asc_sampler_state *made, asc_error *error);
+asc_status asc_remote_fill_area(const void *state, const asc_range *range, uint32_t columns, size_t first,
+                                size_t pixels, double *points);
 
 #endif

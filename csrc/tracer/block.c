@@ -10,6 +10,8 @@
 #define BATCH                                                                                                          \
   1024 /* numbers that are drawn before the rays of their samples are traced, of as many pixels as it takes */
 
+#define AHEAD 32768 /* numbers that are drawn at a time of a distant sampler: those of whole pixels */
+
 #define MOST_ROWS (PACKET + BATCH / 2 + CHUNK) /* of no full packet, of less than a batch, of what completes it */
 #define PADDED_ROWS (MOST_ROWS + PACKET)       /* the last packet's lanes that are not in use are numbers too */
 
@@ -40,8 +42,10 @@ struct block_work {
   run runs[PADDED_ROWS / PACKET];
   sight sights[PADDED_ROWS / PACKET]; /* by packet */
   double *points;                     /* [MOST_ROWS][dimensions] */
+  double *ahead;                      /* [AHEAD], once there is a distant sampler */
+  uint32_t ahead_first, ahead_end;    /* the pixels of the block whose numbers these are */
   uint32_t dimensions;
-  int weighted;
+  int weighted, distant;
   tracer_film kept; /* in what sums are */
   uint64_t samples; /* a pixel */
   block area;
@@ -67,6 +71,7 @@ block_work *block_work_make(const tracer *made) {
 void block_work_free(block_work *memory) {
   if (!memory) return;
   free(memory->points);
+  free(memory->ahead);
   free(memory);
 }
 
@@ -108,6 +113,28 @@ ASC_VECTORISE static void place(const double *restrict points, size_t stride, si
   }
 }
 
+/* All samples of pixels that lie side by side, of a sampler that is better asked for many at a time. */
+static asc_status draw_ahead(const asc_sampler *sampler, uint32_t pixel, uint32_t pixels, block_work *memory,
+                             double *points) {
+  const block *area = &memory->area;
+  const size_t each = memory->samples * memory->dimensions;
+  const uint32_t most = (uint32_t)(AHEAD / each), all = area->rows * area->columns;
+  const asc_range range = {area->x, area->y, 0, memory->samples, 0, memory->dimensions};
+  if (!memory->ahead) memory->ahead = malloc(AHEAD * sizeof(double));
+  if (!memory->ahead) return ASC_OUT_OF_MEMORY;
+  for (uint32_t i = 0; i < pixels; i++, pixel++) {
+    if (pixel < memory->ahead_first || pixel >= memory->ahead_end) {
+      const uint32_t count = all - pixel < most ? all - pixel : most;
+      const asc_status status = asc_sampler_fill_area(sampler, &range, area->columns, pixel, count, memory->ahead);
+      if (status) return status;
+      memory->ahead_first = pixel;
+      memory->ahead_end = pixel + count;
+    }
+    memcpy(points + i * each, memory->ahead + (pixel - memory->ahead_first) * each, each * sizeof(double));
+  }
+  return ASC_OK;
+}
+
 /* Draws samples as the rows from `row` on, at most `wanted`: of as many pixels side by side, or at least of one what is
  * drawn at a time. Gives how many. */
 static asc_status draw_some(const asc_sampler *sampler, cursor *at, size_t row, size_t wanted, block_work *memory,
@@ -121,7 +148,8 @@ static asc_status draw_some(const asc_sampler *sampler, cursor *at, size_t row, 
   *count = pixels * each;
   double *points = memory->points + row * memory->dimensions, *weights = memory->weights + row;
   const asc_range range = {x, y, first, each, 0, memory->dimensions};
-  asc_status status = asc_sampler_fill_pixels(sampler, &range, pixels, points);
+  asc_status status = memory->distant ? draw_ahead(sampler, pixel, pixels, memory, points)
+                                      : asc_sampler_fill_pixels(sampler, &range, pixels, points);
   for (uint32_t i = 0; i < pixels && status == ASC_OK; i++) {
     const size_t done = i * each;
     if (memory->weighted) status = asc_sampler_weights(sampler, first, each, weights + done);
@@ -300,6 +328,9 @@ static asc_status add_pixels(const tracer *made, const asc_sampler *sampler, uin
   const uint32_t pixels = area.rows * area.columns;
   cursor drawn = {0, 0}, added = {0, 0};
   memory->weighted = (asc_sampler_traits(sampler) & ASC_TRAIT_WEIGHTED) != 0;
+  memory->distant = (asc_sampler_traits(sampler) & ASC_TRAIT_DISTANT) && samples <= CHUNK &&
+                    samples * memory->dimensions <= AHEAD;
+  memory->ahead_first = memory->ahead_end = 0;
   memory->samples = samples;
   memory->area = area;
   for (size_t rows = 0; drawn.pixel < pixels;) {

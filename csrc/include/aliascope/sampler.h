@@ -53,6 +53,11 @@ ASC_API asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range 
 ASC_API asc_status asc_sampler_fill_pixels(const asc_sampler *sampler, const asc_range *range, size_t pixels,
                                            double *points);
 
+/* The same of pixels [first, first + pixels) of an area that is so many columns wide, numbered row by row from the range's
+ * pixel on. Of a plugin in another process, ASC_TRAIT_DISTANT, the less often it is asked the better. */
+ASC_API asc_status asc_sampler_fill_area(const asc_sampler *sampler, const asc_range *range, uint32_t columns,
+                                         size_t first, size_t pixels, double *points);
+
 /* Writes the weights of samples [first, first + count): those of a quadrature rule, else 1/N. ASC_NUMERIC where a
  * plugin's are not finite. */
 ASC_API asc_status asc_sampler_weights(const asc_sampler *sampler, uint64_t first, size_t count, double *weights);
@@ -126,7 +131,8 @@ typedef struct asc_parameter {
 typedef enum asc_trait {
   ASC_TRAIT_RANDOMISED = 1, /* the points depend on seed and pixel */
   ASC_TRAIT_SEQUENCE = 2,   /* the first n points do not depend on N */
-  ASC_TRAIT_WEIGHTED = 4    /* weights other than 1/N */
+  ASC_TRAIT_WEIGHTED = 4,   /* weights other than 1/N */
+  ASC_TRAIT_DISTANT = 8     /* each call takes some 10 us, however little is asked for */
 } asc_trait;
 
 /* What is registered, for lists and help. Strings live as long as the library. */

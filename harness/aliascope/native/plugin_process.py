@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any
 
 from aliascope.errors import InvalidInput
@@ -47,6 +48,8 @@ class PluginProcess:
 
     def end(self) -> None:
         """Ends the process, and the plugin with it."""
+        with suppress(OSError):
+            self._alive.shutdown(socket.SHUT_RDWR)  # the library has a copy of it
         self._alive.close()
         try:
             self._process.wait(_PATIENCE)
