@@ -323,6 +323,9 @@ $(OBJECTS)/test_%: tests/c/test_%.c $(LIBRARY_OBJECTS) $(TRACER_OBJECTS) $(RASTE
 	@$(call say,compiling)
 	@$(CC) $(CFLAGS) $(CPPFLAGS) -MF $@.d $< $(filter %.o,$^) -o $@ $(EMBREE) $(OSMESA) -lcmocka -lm -ldl
 
+# Loads it.
+$(OBJECTS)/test_remote: $(PLUGIN)
+
 # --- fuzzing ------------------------------------------------------------------------------------------------------------
 
 # Given by libFuzzer in its variant; in the others by a loop over the kept inputs, which is a test.

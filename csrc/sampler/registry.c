@@ -245,8 +245,10 @@ asc_status asc_sampler_fill_pixels(const asc_sampler *sampler, const asc_range *
 
 /* Whether the pixels of an area have places. */
 static int has_places(const asc_range *range, uint32_t columns, size_t first, size_t pixels) {
-  const uint64_t right = (uint64_t)((int64_t)INT32_MAX - range->pixel_x), down = (uint64_t)((int64_t)INT32_MAX - range->pixel_y);
-  return columns > 0 && columns - 1 <= right && first <= SIZE_MAX - pixels && (first + pixels) / columns <= down;
+  const uint64_t right = (uint64_t)((int64_t)INT32_MAX - range->pixel_x);
+  const uint64_t below = (uint64_t)((int64_t)INT32_MAX - range->pixel_y);
+  return columns > 0 && columns - 1 <= right && first <= SIZE_MAX - pixels &&
+         (pixels == 0 || (first + pixels - 1) / columns <= below);
 }
 
 asc_status asc_sampler_fill_area(const asc_sampler *sampler, const asc_range *range, uint32_t columns, size_t first,

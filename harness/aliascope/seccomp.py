@@ -61,15 +61,18 @@ class _Machine:
     of_one: tuple[int, ...]
     """tgkill, prlimit64, sched_setaffinity: of the process or thread that their first argument names, 0 the own."""
     fcntl: int
+    prctl: int
     clone3: int = 435
 
 
 _MACHINES = {
-    "x86_64": _Machine(0xC000003E, 56, (234, 302, 203), 72),
-    "aarch64": _Machine(0xC00000B7, 220, (131, 261, 122), 25),
+    "x86_64": _Machine(0xC000003E, 56, (234, 302, 203), 72, 157),
+    "aarch64": _Machine(0xC00000B7, 220, (131, 261, 122), 25, 167),
 }
 _OWNERS = (8, 10, 15)
 """F_SETOWN, F_SETSIG, F_SETOWN_EX: who gets a signal, and which, when a file is ready."""
+_SET_PARENT_DEATH_SIGNAL = 1
+"""PR_SET_PDEATHSIG: it would outlive its parent."""
 
 
 class _Step(ctypes.Structure):
@@ -125,6 +128,11 @@ def _filter(name: str, own: int) -> Iterator[tuple[int, int, int, int]]:
         yield _JUMP_EQUAL, 1, 0, own
         yield _RETURN, 0, 0, refused
         yield _RETURN, 0, 0, _ALLOW
+    yield _JUMP_EQUAL, 0, 4, machine.prctl
+    yield _LOAD, 0, 0, _ARGUMENTS_AT[0]
+    yield _JUMP_EQUAL, 0, 1, _SET_PARENT_DEATH_SIGNAL
+    yield _RETURN, 0, 0, refused
+    yield _RETURN, 0, 0, _ALLOW
     yield _JUMP_EQUAL, 0, 1 + 2 * len(_OWNERS), machine.fcntl
     yield _LOAD, 0, 0, _ARGUMENTS_AT[1]
     for command in _OWNERS:

@@ -7,6 +7,7 @@ runs in, ends the inner one when the client ends or closes its socket, and ends 
 
 from __future__ import annotations
 
+import ctypes
 import os
 import select
 import signal
@@ -20,6 +21,10 @@ SIGNALLED = 128
 """What the outer process ends with where a signal ended the inner one, and its number."""
 
 
+_SET_PARENT_DEATH_SIGNAL = 1
+"""PR_SET_PDEATHSIG of linux/prctl.h."""
+
+
 def main() -> None:
     shared, alive, memory = (int(word) for word in sys.argv[1:4])
     path = sys.argv[4]
@@ -27,6 +32,7 @@ def main() -> None:
     inner = os.fork()
     if inner == 0:
         client.close()
+        ctypes.CDLL(None).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)  # the outer one may be killed itself
         _serve(shared, path, memory)
     os.close(shared)
     ended = os.pidfd_open(inner)

@@ -37,17 +37,30 @@ class PluginProcess:
     def __init__(self, path: str) -> None:
         self.path = path
         self._words = tempfile.TemporaryFile()  # noqa: SIM115 (as long as there is a process)
-        self._begin()
+        self._renewable = True
+        try:
+            self._begin()
+        except BaseException:
+            self._words.close()
+            raise
         atexit.register(self.end)
 
     def renew(self) -> None:
-        """Begins a process in place of one that has ended. Raises InvalidInput."""
-        if self._process.poll() is not None:
-            self.end()
+        """Begins a process in place of one that has ended, as long as one can be begun."""
+        if self._process.poll() is None or not self._renewable:
+            return
+        self._stop()
+        try:
             self._begin()
+        except InvalidInput:
+            self._renewable = False
 
     def end(self) -> None:
-        """Ends the process, and the plugin with it."""
+        """Ends the process, and the plugin with it, for good."""
+        self._stop()
+        self._words.close()
+
+    def _stop(self) -> None:
         with suppress(OSError):
             self._alive.shutdown(socket.SHUT_RDWR)  # the library has a copy of it
         self._alive.close()
@@ -109,7 +122,7 @@ class PluginProcess:
         if status == compiled.lib.ASC_OK:
             return
         ended = self.ending()
-        self.end()
+        self._stop()
         if ended:
             raise InvalidInput(f"{self.path}: as it was loaded, the plugin {ended}")
         loading.check(compiled, status, box)
@@ -140,7 +153,7 @@ def begin(path: str) -> None:
 
 
 def renew() -> None:
-    """Has those begin again that have ended, for what is asked of them from now on. Raises InvalidInput."""
+    """Has those begin again that have ended, for what is asked of them from now on."""
     for each in _processes.values():
         each.renew()
 

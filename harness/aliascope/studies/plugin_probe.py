@@ -49,8 +49,8 @@ def main() -> None:
     def note(text: str) -> None:
         os.pwrite(fd, text.encode()[:NOTE_BYTES].ljust(NOTE_BYTES), NOTE_AT)
 
+    ctypes.CDLL(None).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)
     plugin_fence.hold(Path(path), plugin_fence.memory_limit(MEMORY_SHARE))
-    ctypes.CDLL(None).prctl(_SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)  # which another user namespace forgets
     note("while it was loaded")
     result = run_check(check, path, rest[0] if rest else None, note)
     note("at the end of the process")
