@@ -117,7 +117,7 @@ regress: all
 ## power      false alarms of regress, and the defects that it catches: measured; half an hour the first time
 .PHONY: power
 power: all $(DEFECTIVE) $(EMBREE_ISA)
-	@$(VENV)/bin/aliascope power --plugin $(DEFECTIVE) --shim $(EMBREE_ISA) -j $(CORES) -o $(RESULTS)/power
+	@$(VENV)/bin/aliascope power --trust-plugin $(DEFECTIVE) --shim $(EMBREE_ISA) -j $(CORES) -o $(RESULTS)/power
 
 ## test       every test: C (also under sanitizers: addresses, leaks, threads), Python, browser
 .PHONY: test
@@ -161,6 +161,7 @@ bench: all $(C_BENCHES) $(KEPT_RAYS)
 	@for bench in $(C_BENCHES); do $$bench || exit 1; done
 	@$(VENV)/bin/python tests/bench/bench_scenes.py $(KEPT_RAYS)
 	@$(VENV)/bin/python tests/bench/bench_safeguards.py
+	@$(VENV)/bin/python tests/bench/bench_plugins.py $(PLUGIN)
 	@$(VENV)/bin/python tests/bench/bench_peers.py
 	@$(VENV)/bin/python tests/bench/bench_harness.py
 

@@ -7,8 +7,8 @@
  * owes; where pkg-config finds no aliascope, export PKG_CONFIG_PATH=PREFIX/lib/pkgconfig. Only headers are needed: the
  * library is there when the plugin is loaded. From then on every command takes it:
  *
- *     aliascope --plugin ./kronecker.so points kronecker:shift=0.25 -n 16
- *     aliascope compare --plugin ./kronecker.so
+ *     aliascope --trust-plugin ./kronecker.so points kronecker:shift=0.25 -n 16
+ *     aliascope compare --trust-plugin ./kronecker.so
  *
  * The pattern: Kronecker's sequence, (frac(shift + i sqrt 2), frac(shift + i sqrt 3), frac(shift + i sqrt 5), ...),
  * which Weyl (1916) showed to be uniformly distributed and Richtmyer (1951) used for integrals. Its one parameter is

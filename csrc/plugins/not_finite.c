@@ -2,7 +2,7 @@
  * NaN or infinite. `aliascope stability` hands it to whatever takes samples, to see each of them say which sample it
  * was.
  *
- *     aliascope --plugin ./not_finite.so points not-finite:value=inf -n 16 */
+ *     aliascope --trust-plugin ./not_finite.so points not-finite:value=inf -n 16 */
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  * would make it. The regression harness is shown it, to see it caught (`make power`).
  *
  *     cc -shared -fPIC -O2 repeats.c -o repeats.so $(pkg-config --cflags --libs aliascope)
- *     aliascope --plugin ./repeats.so points repeats:of=halton -n 16
+ *     aliascope --trust-plugin ./repeats.so points repeats:of=halton -n 16
  *
  * It calls the library, which kronecker.c does not, so it is linked with it. */
 #include <stdlib.h>

@@ -88,18 +88,19 @@ static asc_status create(asc_remote_channel *channel) {
 static asc_status answer(asc_remote_channel *channel) {
   void *state = (void *)(uintptr_t)channel->state; /* NOLINT(performance-no-int-to-ptr): the own pointer, come back */
   switch (channel->question) {
-    case ASC_REMOTE_CREATE: return create(channel);
-    case ASC_REMOTE_DESTROY: served->destroy(state); return ASC_OK;
-    case ASC_REMOTE_FILL:
-      return asc_fill_area_of(served, state, &channel->range, channel->columns, channel->first, channel->pixels,
-                              channel->data);
-    case ASC_REMOTE_WEIGHTS:
-      return served->weights(state, channel->range.first_sample, channel->range.sample_count, channel->data);
-    default: return ASC_INVALID_ARGUMENT;
+  case ASC_REMOTE_CREATE: return create(channel);
+  case ASC_REMOTE_DESTROY: served->destroy(state); return ASC_OK;
+  case ASC_REMOTE_FILL:
+    return asc_fill_area_of(served, state, &channel->range, channel->columns, channel->first, channel->pixels,
+                            channel->data);
+  case ASC_REMOTE_WEIGHTS:
+    return served->weights(state, channel->range.first_sample, channel->range.sample_count, channel->data);
+  default: return ASC_INVALID_ARGUMENT;
   }
 }
 
-/* Has this thread run where its client does, which waits meanwhile: to wake another processor takes ten times as long. */
+/* Has this thread run where its client does, which waits meanwhile: to wake another processor takes ten times as long.
+ */
 static void follow(int32_t *own, int32_t client) {
   if (client == *own || client < 0 || client >= CPU_SETSIZE) return;
   cpu_set_t one;

@@ -287,7 +287,8 @@ static int is_in_range(const asc_parameter *parameter) {
   if (parameter->kind == ASC_CHOICE) {
     double words = 1.0;
     for (const char *each = parameter->choices; *each; each++) words += *each == '|';
-    return parameter->fallback >= 0.0 && parameter->fallback < words && floor(parameter->fallback) == parameter->fallback;
+    return parameter->fallback >= 0.0 && parameter->fallback < words &&
+           floor(parameter->fallback) == parameter->fallback;
   }
   return isfinite(parameter->minimum) && isfinite(parameter->maximum) && parameter->minimum <= parameter->fallback &&
          parameter->fallback <= parameter->maximum;
@@ -301,7 +302,8 @@ static asc_status check_parameters(const asc_sampler_interface *table, const cha
     if (!parameter->name || !parameter->text || (parameter->kind == ASC_CHOICE) != (parameter->choices != NULL))
       return asc_fail(error, ASC_PLUGIN, "%s: parameter %zu lacks its name, text or choices", path, i);
     if (!is_kebab_case(parameter->name) || parameter->kind > ASC_CHOICE)
-      return asc_fail(error, ASC_PLUGIN, "%s: the name of parameter %zu is not kebab-case, or its kind unknown", path, i);
+      return asc_fail(error, ASC_PLUGIN, "%s: the name of parameter %zu is not kebab-case, or its kind unknown", path,
+                      i);
     if (!is_in_range(parameter))
       return asc_fail(error, ASC_PLUGIN, "%s: the default of parameter \"%s\" is not within its range", path,
                       parameter->name);

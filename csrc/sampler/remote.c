@@ -305,13 +305,25 @@ static void adopt(remote *plugin) {
   for (size_t i = 0; i < table->parameter_count && i < ASC_REMOTE_PARAMETERS; i++) {
     asc_remote_parameter *from = &table->parameters[i];
     CLOSE(from->name), CLOSE(from->choices), CLOSE(from->text);
-    plugin->parameters[i] = (asc_parameter){from->name,    (asc_parameter_kind)from->kind,
+    plugin->parameters[i] = (asc_parameter){from->name,
+                                            (asc_parameter_kind)from->kind,
                                             *from->choices ? from->choices : NULL,
-                                            from->minimum, from->maximum, from->fallback, from->text};
+                                            from->minimum,
+                                            from->maximum,
+                                            from->fallback,
+                                            from->text};
   }
-  plugin->interface = (asc_sampler_interface){sizeof plugin->interface, table->name, table->title, table->source,
-                                              plugin->parameters, table->parameter_count, create, destroy, fill,
-                                              table->has_weights ? weights : NULL, fill_pixels};
+  plugin->interface = (asc_sampler_interface){sizeof plugin->interface,
+                                              table->name,
+                                              table->title,
+                                              table->source,
+                                              plugin->parameters,
+                                              table->parameter_count,
+                                              create,
+                                              destroy,
+                                              fill,
+                                              table->has_weights ? weights : NULL,
+                                              fill_pixels};
 }
 
 static remote *find(const char *path) {

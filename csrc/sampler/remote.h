@@ -27,7 +27,7 @@ typedef struct asc_remote_channel {
   _Atomic uint32_t turn; /* an asc_remote_turn; both sides sleep on it */
   uint32_t question;
   int32_t processor; /* that the client runs on */
-  uint64_t state; /* as `create` gave it; of no meaning to the client */
+  uint64_t state;    /* as `create` gave it; of no meaning to the client */
   uint64_t samples, seed, first, pixels;
   uint32_t dimensions, columns;
   asc_range range;

@@ -328,8 +328,8 @@ static asc_status add_pixels(const tracer *made, const asc_sampler *sampler, uin
   const uint32_t pixels = area.rows * area.columns;
   cursor drawn = {0, 0}, added = {0, 0};
   memory->weighted = (asc_sampler_traits(sampler) & ASC_TRAIT_WEIGHTED) != 0;
-  memory->distant = (asc_sampler_traits(sampler) & ASC_TRAIT_DISTANT) && samples <= CHUNK &&
-                    samples * memory->dimensions <= AHEAD;
+  memory->distant =
+      (asc_sampler_traits(sampler) & ASC_TRAIT_DISTANT) && samples <= CHUNK && samples * memory->dimensions <= AHEAD;
   memory->ahead_first = memory->ahead_end = 0;
   memory->samples = samples;
   memory->area = area;

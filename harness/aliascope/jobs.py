@@ -111,8 +111,7 @@ def plugins_of(mode: Spec) -> dict[str, Plugin]:
 def plugin_versions(mode: Spec) -> dict[str, str]:
     """For provenance: path and hash of the plugins that a mode names, by "plugin NAME"."""
     return {
-        f"plugin {name}": f"{sharing.shared(str(plugin.path))} sha256 {plugin.sha256}"
-        + (", trusted" if plugin.trusted else "")  # its time is another then
+        f"plugin {name}": f"{sharing.shared(plugin.path)} sha256 {plugin.version}"
         for name, plugin in plugins_of(mode).items()
     }
 
@@ -205,7 +204,7 @@ def versions_of(renderer: Renderer, mode: Spec, versions: Mapping[str, str]) -> 
     return {
         **versions,
         "code": code_digest(renderer.name, mode),
-        **{f"plugin {name}": plugin.sha256 for name, plugin in plugins_of(mode).items()},
+        **{f"plugin {name}": plugin.version for name, plugin in plugins_of(mode).items()},
     }
 
 

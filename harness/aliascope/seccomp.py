@@ -33,7 +33,14 @@ _REFUSED = {
         "processes and programs": (57, 58, 59, 322),  # fork, vfork, execve, execveat
         "sockets": (41, 53),  # socket, socketpair
         "signals to others": (62, 200, 129, 297, 424),  # kill, tkill, rt_sigqueueinfo, rt_tgsigqueueinfo, pidfd_send_
-        "memory and files of others": (101, 310, 311, 312, 438, 448),  # ptrace, process_vm_*, kcmp, pidfd_getfd, release
+        "memory and files of others": (
+            101,
+            310,
+            311,
+            312,
+            438,
+            448,
+        ),  # ptrace, process_vm_*, kcmp, pidfd_getfd, release
         "queues, keys and rings": (248, 249, 250, 240, 425, 426, 427, 321, 298, 323),
         # add_key, request_key, keyctl, mq_open, io_uring_*, bpf, perf_event_open, userfaultfd
         "memory and semaphores by a number": (29, 30, 64, 68),  # shmget, shmat, semget, msgget

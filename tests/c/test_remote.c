@@ -209,7 +209,8 @@ static void hosts_that_never_begin_are_none(void **unused) {
 /* --- lies -----------------------------------------------------------------------------------------------------------
  */
 
-/* A table of its own, and answers that no plugin of ours gives: the status `lie`, with all else that is in an answer. */
+/* A table of its own, and answers that no plugin of ours gives: the status `lie`, with all else that is in an answer.
+ */
 static void answer(int memory, const char *name, uint32_t lie) {
   size_t bytes;
   asc_remote_table *table = asc_remote_map(memory, &bytes);
@@ -269,7 +270,7 @@ static void hosts_that_lie_are_not_believed(void **unused) {
   asc_sampler_info info;
   assert_int_equal(asc_sampler_describe(index, &info), ASC_OK);
   assert_string_equal(info.name, "fabulist");
-  assert_int_equal(strlen(info.title), sizeof ((asc_remote_table *)NULL)->title - 1);
+  assert_int_equal(strlen(info.title), sizeof((asc_remote_table *)NULL)->title - 1);
   asc_sampler_destroy(sampler);
   end(&fabulist);
 

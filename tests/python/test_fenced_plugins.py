@@ -151,7 +151,7 @@ SIGNALS = in_place("globals", "#include <signal.h>\n#include <stdio.h>")
         ("filled", "raise(SIGSEGV);", "crashed with SIGSEGV; it may take"),
         ("weights", "raise(SIGSEGV);", "crashed with SIGSEGV"),
         ("filled", 'fputs("of\\nthree\\033[2J words\\n", stderr); abort();', "crashed with SIGABRT (three [2J words)"),
-        ("filled", "puts(\"x\"); _exit(0);", "ended its process with exit code 0"),
+        ("filled", 'puts("x"); _exit(0);', "ended its process with exit code 0"),
         ("filled", "for (;;) *(volatile char *)malloc(1 << 26) = 1;", "crashed with SIGSEGV"),
         ("filled", "for (;;) raise(SIGSTOP);", "had not answered within 0.5 s, and was ended"),
         ("filled", "for (;;) sleep(1);", "had not answered within 0.5 s, and was ended"),
@@ -215,7 +215,11 @@ def _loaded(plugin: str) -> str:
         ('"mine",', '"<script>",', "the name of its sampler is not kebab-case"),
         ('"random points"', f'"{"long " * 99}"', "a text of its table is too long"),
         ('{"power", ASC_REAL, NULL, 0.5, 2.0, 1.0', '{"power", ASC_REAL, NULL, 0.5, 2.0, 3.0', "not within its range"),
-        ('{"power", ASC_REAL, NULL, 0.5, 2.0, 1.0', '{"power", ASC_CHOICE, "a|b", 0.5, 2.0, 2.0', "not within its range"),
+        (
+            '{"power", ASC_REAL, NULL, 0.5, 2.0, 1.0',
+            '{"power", ASC_CHOICE, "a|b", 0.5, 2.0, 2.0',
+            "not within its range",
+        ),
         ('{"power", ASC_REAL, NULL', '{"po wer", ASC_REAL, NULL', "not kebab-case"),
         (".parameter_count = 1", ".parameter_count = 65", "at most 64 parameters"),
     ],
@@ -279,3 +283,11 @@ def test_trusted_or_not_is_said_once(tmp_path: Path) -> None:
     plugin = compiled(tmp_path)
     failed = separately("list", "samplers", "--plugin", plugin, "--trust-plugin", plugin, code=2).stderr
     assert "give it with --plugin or with --trust-plugin, not with both" in failed
+
+
+def test_times_are_kept_apart_by_where_it_ran(tmp_path: Path) -> None:
+    plugin = compiled(tmp_path)
+    words = ("compare", "edge", "-m", "uniform:n=4,sampler=mine", "--size", "16x12", "-o", tmp_path / "out", "--json")
+    for option, rendered in (("--plugin", 3), ("--trust-plugin", 3), ("--plugin", 0)):
+        document = json.loads(separately(*words, option, plugin).stdout)
+        assert (document["pictures"], document["rendered"]) == (3, rendered), option

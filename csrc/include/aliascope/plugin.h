@@ -68,13 +68,14 @@ ASC_API asc_status asc_plugin_load(const char *path, asc_error *error);
  * processes and back.
  *
  * memory: a file descriptor of asc_plugin_memory(channels) zero bytes, which the host has too, as memfd_create gives
- * it, sealed against another size (a host that shrank it would crash its client); it may be closed afterwards. channels:
- * 1 to 64, the threads that the plugin answers at a time. alive: a stream socket whose other end is open as long as the
- * host lives, and whose end tells the host to end; it is duplicated. time_limit: seconds that an answer may take.
+ * it, sealed against another size (a host that shrank it would crash its client); it may be closed afterwards.
+ * channels: 1 to 64, the threads that the plugin answers at a time. alive: a stream socket whose other end is open as
+ * long as the host lives, and whose end tells the host to end; it is duplicated. time_limit: seconds that an answer may
+ * take.
  *
- * Waits until the host has called asc_plugin_serve. Statuses as of asc_plugin_load. From then on the sampler's functions
- * give ASC_ENDED where the host has ended, or has not answered in time. To connect again with the same path replaces
- * a host that has ended, for samplers that are made from then on. Linux. */
+ * Waits until the host has called asc_plugin_serve. Statuses as of asc_plugin_load. From then on the sampler's
+ * functions give ASC_ENDED where the host has ended, or has not answered in time. To connect again with the same path
+ * replaces a host that has ended, for samplers that are made from then on. Linux. */
 ASC_API asc_status asc_plugin_connect(int memory, int alive, const char *path, double time_limit, asc_error *error);
 ASC_API size_t asc_plugin_memory(size_t channels);
 

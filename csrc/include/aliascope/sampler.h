@@ -53,8 +53,8 @@ ASC_API asc_status asc_sampler_fill(const asc_sampler *sampler, const asc_range 
 ASC_API asc_status asc_sampler_fill_pixels(const asc_sampler *sampler, const asc_range *range, size_t pixels,
                                            double *points);
 
-/* The same of pixels [first, first + pixels) of an area that is so many columns wide, numbered row by row from the range's
- * pixel on. Of a plugin in another process, ASC_TRAIT_DISTANT, the less often it is asked the better. */
+/* The same of pixels [first, first + pixels) of an area that is so many columns wide, numbered row by row from the
+ * range's pixel on. Of a plugin in another process, ASC_TRAIT_DISTANT, the less often it is asked the better. */
 ASC_API asc_status asc_sampler_fill_area(const asc_sampler *sampler, const asc_range *range, uint32_t columns,
                                          size_t first, size_t pixels, double *points);
 

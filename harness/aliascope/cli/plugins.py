@@ -13,7 +13,7 @@ plugins = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 app.add_typer(
     plugins,
     name="plugin",
-    help="Samplers of yours: shared objects that any command takes with --plugin.",
+    help="Samplers of others and of yours: shared objects that any command takes with --plugin or --trust-plugin.",
     epilog="Example: aliascope plugin check ./mine.so",
 )
 
@@ -29,9 +29,9 @@ def check(
 ) -> None:
     """Check that a plugin's sampler keeps to the contracts of plugin.h.
 
-    Each check runs in a process of its own. Where there is Landlock (Linux 5.13), that reads the plugin's folder and
-    the system's libraries, writes nothing, starts no program and has no network. Ends with 1 where one fails, with 2
-    where the file is no plugin.
+    Each check runs in a process of its own, which reads the plugin's folder and the system's libraries, writes nothing,
+    starts no program and has no network (by Landlock and seccomp, where the system has them: see doctor). Ends with 1
+    where one fails, with 2 where the file is no plugin.
     """
     from aliascope.studies import plugin_check
 

@@ -10,7 +10,7 @@ import typer
 from aliascope.cli.shared import Json, app, begin_log, print_json, say_notes
 
 
-@app.command(hidden=True, epilog="Example: aliascope power edge --plugin .build/plugins/repeats.so -o power")
+@app.command(hidden=True, epilog="Example: aliascope power edge --trust-plugin .build/plugins/repeats.so -o power")
 def power(
     scenes: Annotated[
         list[str] | None, typer.Argument(metavar="[SCENE...]", help="Names, patterns, files (TOML, glTF).")
@@ -32,7 +32,7 @@ def power(
     """Measure how often `regress` raises an alarm where nothing changed, and which defects it catches.
 
     Ends with exit code 1 where alarms are more than 4 in 1,000, or a defect is missed. The sampler whose dimension 1
-    repeats dimension 0 is a plugin: --plugin repeats.so.
+    repeats dimension 0 is a plugin: --trust-plugin repeats.so.
     """
     from aliascope.folder_lock import locked
     from aliascope.studies import power as study

@@ -60,13 +60,14 @@ def _root(
         list[str] | None,
         typer.Option(
             metavar="F.so",
-            help="A sampler, run in a process of its own that reaches no files, programs or network; as often as needed.",
+            help="A sampler, run in a process of its own without files, programs or network; as often as needed.",
         ),
     ] = None,
     trust_plugin: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="F.so", help="A sampler of yours, run inside of the renderer: at its full speed, with all your rights."
+            metavar="F.so",
+            help="A sampler of yours, run inside of the renderer: at its full speed, with your rights.",
         ),
     ] = None,
     verbose: Annotated[

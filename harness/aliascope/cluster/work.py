@@ -207,8 +207,8 @@ _folders: list[tempfile.TemporaryDirectory[str]] = []
 
 
 def _pool(plugins: tuple[bytes, ...]) -> tuple[Workers, list[tuple[str, bool]]]:
-    """The process that does the jobs with these plugins, and their files, with whether they are trusted: a plugin, once loaded, stays, so others have
-    another process."""
+    """The process that does the jobs with these plugins, and their files, with whether they are trusted: a plugin, once
+    loaded, stays, so others have another process."""
     sent: list[SentPlugin] = [pickle.loads(each) for each in plugins]
     key = tuple((each.sha256, each.trusted) for each in sent)
     if key not in _pools:
@@ -236,7 +236,9 @@ def _written(plugin: SentPlugin) -> Path:
 def plugins_sent() -> list[SentPlugin]:
     """Those that are loaded here. Raises NotAvailable for one whose file is another now."""
     try:
-        sent = [SentPlugin(Path(p.path).name, p.sha256, Path(p.path).read_bytes(), p.trusted) for p in samplers.plugins()]
+        sent = [
+            SentPlugin(Path(p.path).name, p.sha256, Path(p.path).read_bytes(), p.trusted) for p in samplers.plugins()
+        ]
     except OSError as error:
         raise NotAvailable(f"{error.filename}: cannot be read: {error.strerror}") from error
     for each in sent:

@@ -36,7 +36,7 @@ def main() -> None:
         _serve(shared, path, memory)
     os.close(shared)
     ended = os.pidfd_open(inner)
-    ready, _, _ = select.select([client, ended], [], [])
+    ready, _, _ = select.select([client.fileno(), ended], [], [])
     if ended not in ready:
         os.kill(inner, signal.SIGKILL)
     status = os.waitstatus_to_exitcode(os.waitpid(inner, 0)[1])

@@ -106,7 +106,11 @@ class PluginProcess:
         self._words.truncate()
         memory = plugin_fence.memory_limit(MEMORY_SHARE)
         return subprocess.Popen(
-            [*(sys.executable, "-P", "-m", "aliascope.native.plugin_host"), *map(str, (shared, alive, memory)), self.path],
+            [
+                *(sys.executable, "-P", "-m", "aliascope.native.plugin_host"),
+                *map(str, (shared, alive, memory)),
+                self.path,
+            ],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=self._words,

@@ -190,14 +190,14 @@ class Plugin:
     trusted: bool
 
     @property
+    def version(self) -> str:
+        """What its points and their times depend on."""
+        return f"{self.sha256}, trusted" if self.trusted else self.sha256
+
+    @property
     def option(self) -> str:
         """Of the command line, before the path."""
-        return option_of(self.trusted)
-
-
-def option_of(trusted: bool) -> str:
-    """The option that loads a plugin."""
-    return "--trust-plugin" if trusted else "--plugin"
+        return "--trust-plugin" if self.trusted else "--plugin"
 
 
 _plugins: dict[str, Plugin] = {}

@@ -16,8 +16,8 @@ REASON = "why this is right"
 @dataclass(frozen=True)
 class Setting:
     """What the commands of a run have in common: the folder of references, where it is not the project's; options as
-    they were given (`--plugin F.so`, `--time-limit S`), words for the shell; what names a renderer there, where that is
-    not its name but its file."""
+    they were given (`--trust-plugin F.so`, `--time-limit S`), words for the shell; what names a renderer there, where
+    that is not its name but its file."""
 
     references: Path = places.REFERENCES
     options: tuple[str, ...] = ()

@@ -7,8 +7,9 @@ import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from aliascope import places, renderers
+from aliascope import landlock, places, renderers, seccomp
 from aliascope.errors import AliascopeError, NotAvailable
+from aliascope.native import plugin_fence
 from aliascope.renderers import confinement
 from aliascope.renderers.base import Renderer, Request
 from aliascope.studies import doctor_embree, doctor_osmesa, doctor_povray
@@ -58,6 +59,7 @@ def examine(
         "revision": places.revision(),
         "machine": places.machine(),
         "confinement": {"by": protection.by, "files": protection.files, "told": protection.told},
+        "plugins": {"files": bool(landlock.abi()), "reach": seccomp.works(), "told": plugin_fence.told()},
         "renderers": found,
     }
 
@@ -106,6 +108,7 @@ def lines_of(document: Mapping[str, Any]) -> list[str]:
         *textwrap.wrap(
             f"a .pov file of somebody's is held by {document['confinement']['told']}", WIDTH, subsequent_indent="  "
         ),
+        *textwrap.wrap(f"a plugin of somebody's: {document['plugins']['told']}", WIDTH, subsequent_indent="  "),
     ]
     for entry in document["renderers"]:
         lines += ["", *_of_renderer(entry)] if entry.get("findings") else _of_renderer(entry)

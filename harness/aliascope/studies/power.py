@@ -114,7 +114,9 @@ def answer(asked: Asked, tell: Tell) -> Answer:
     """Measures. Raises InvalidInput without the plugin of a defect, NotAvailable, CheckFailed for a reference that is
     missing, JobFailed."""
     if "dimension repeated" in DEFECTS and "repeats" not in {info.name for info in samplers.registered()}:
-        raise InvalidInput("the sampler that repeats a dimension is not loaded: add --plugin .build/plugins/repeats.so")
+        raise InvalidInput(
+            "the sampler that repeats a dimension is not loaded: add --trust-plugin .build/plugins/repeats.so"
+        )
     names, versions = _renderers(asked)
     files = [scene_io.load(word) for word in selection.scenes_of(asked.scenes)]
     cells, _ = regress_suite.cells_of(files, names)
