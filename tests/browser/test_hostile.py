@@ -3,14 +3,12 @@ element that they made."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from commands import run
-from playwright.sync_api import Browser, Page
-from test_scene_io import WHOLE
+from playwright.sync_api import Page
 
 from aliascope.regression.records import CellName
 from aliascope.report import charts
@@ -20,32 +18,9 @@ from aliascope.studies import history_page, stability_page
 from aliascope.studies.history import answer
 from aliascope.studies.history_series import Asked
 from browser import stability_data, test_history
+from browser.hostile_names import NAMES, WATCH, check, scene_file
 from browser.report_data import report_data
 from browser.run_data import run_data, with_p_values
-
-FILE_NAME = "<img src=x onerror=hit(1)>\"'`$(id)${hit(2)}{{7*7}}&lt;b&gt;"
-"""Of a file, which has no slash."""
-NAMES = (
-    FILE_NAME,
-    '</script><script>hit(3)</script><!--<script>"\\u003cimg src=x onerror=hit(4)>',
-    "</style></title></textarea><svg/onload=hit(5)><a href=javascript:hit(6)>x</a>",
-    "'];hit(7);//\u2028hit(8)\\",
-    "]]></svg><image href=x onerror=hit(9) /><foreignObject><iframe srcdoc='<script>parent.hit(10)</script>'>",
-)
-WATCH = "window.hits = []; window.hit = (n) => { window.hits.push(n); };"
-MADE = "[onerror], [onload], [onclick], [src='x'], [href='x'], a[href^='javascript:'], iframe, object, embed"
-"""What the names above would make, were one of them taken for markup."""
-
-
-def scene_file(folder: Path) -> Path:
-    path = folder / f"{FILE_NAME}.toml"
-    text = WHOLE.replace('title = "t"', f"title = '''{NAMES[1]}'''").replace(
-        'shows = "s"', f"shows = '''{NAMES[2]} '''"
-    )
-    path.write_text(text.replace("paper", "PAPER").replace("materials.PAPER", "materials.'PAPER'"))
-    named = NAMES[4].replace("'", "").replace('"', "")
-    path.write_text(path.read_text().replace("'PAPER'", f'"{named}"').replace('"PAPER"', f'"{named}"'))
-    return path
 
 
 def hostile_report() -> str:
@@ -111,52 +86,9 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return found
 
 
-@pytest.fixture
-def page(browser: Browser) -> Iterator[Page]:
-    context = browser.new_context(viewport={"width": 1280, "height": 900})
-    yield context.new_page()
-    context.close()
-
-
-WALK = """() => {
-  for (const each of document.querySelectorAll("details")) each.open = true;
-  for (const each of document.querySelectorAll("select")) {
-    for (let i = 0; i < each.options.length; i++) {
-      each.selectedIndex = i;
-      each.dispatchEvent(new Event("input", { bubbles: true }));
-      each.dispatchEvent(new Event("change", { bubbles: true }));
-    }
-  }
-  const live = "button, summary, [tabindex], svg circle, svg path, td, th, canvas, label";
-  for (const each of [...document.querySelectorAll(live)].slice(0, 1500)) {
-    for (const kind of ["pointerenter", "pointerover", "pointermove", "mouseover", "focus", "click"]) {
-      each.dispatchEvent(new MouseEvent(kind, { bubbles: true, clientX: 5, clientY: 5 }));
-    }
-  }
-}"""
-
-
 @pytest.mark.parametrize("name", ["compare", "agree", "teaching", "report", "history", "stability"])
 def test_names_are_words(page: Page, pages: dict[str, Path], name: str) -> None:
-    noises: list[str] = []
-    requests: list[str] = []
-    page.on("dialog", lambda dialog: (noises.append(dialog.message), dialog.dismiss()))
-    page.on("pageerror", lambda error: noises.append(str(error)))
-    page.on("console", lambda message: noises.append(message.text))
-    page.on("request", lambda request: requests.append(request.url))
-    page.add_init_script(WATCH)
-    path = pages[name]
-    page.goto(path.as_uri())
-    if "data-ready" in path.read_text(encoding="utf-8"):
-        page.wait_for_selector("html[data-ready]", state="attached")
-    page.evaluate(WALK)
-    page.wait_for_timeout(200)
-    assert page.evaluate("window.hits") == []
-    assert page.locator(MADE).count() == 0
-    assert noises == []
-    assert all(url.split("#")[0] == path.as_uri() or url.startswith(("blob:", "data:")) for url in requests), requests
-    shown = page.locator("body").inner_text() + page.locator("body").inner_html()
-    assert "hit(" in shown, "the names are there, as words"
+    assert "hit(" in check(page, pages[name]), "the names are there, as words"
 
 
 def test_what_the_names_would_do(page: Page, tmp_path: Path) -> None:
