@@ -250,7 +250,8 @@ def test_a_crash_loses_its_picture_alone(tmp_path: Path) -> None:
         assert "the plugin crashed with SIGSEGV" in failure["message"]
 
 
-def test_a_killed_command_takes_its_plugins_along(tmp_path: Path) -> None:
+@pytest.mark.parametrize("which", ["the command", "the process that ends the plugin"])
+def test_a_plugin_ends_with_those_who_ask_it(tmp_path: Path, which: str) -> None:
     """Also one that is busy for ever."""
     plugin = compiled(tmp_path, GOOD, in_place("filled", "for (;;) sleep(1);"))
     context = multiprocessing.get_context("fork")
@@ -259,7 +260,7 @@ def test_a_killed_command_takes_its_plugins_along(tmp_path: Path) -> None:
     process.start()
     hosts = out.recv()
     assert hosts
-    os.kill(process.pid or 0, signal.SIGKILL)
+    os.kill(process.pid or 0 if which == "the command" else hosts[0], signal.SIGKILL)
     process.join()
     deadline = time.monotonic() + 60.0
     while any(Path(f"/proc/{host}").exists() for host in hosts):
@@ -270,7 +271,7 @@ def test_a_killed_command_takes_its_plugins_along(tmp_path: Path) -> None:
 def _fills(into: Connection, plugin: str) -> None:
     samplers.load_plugin(plugin)
     into.send(list(_below(os.getpid())))
-    samplers.points("mine", 8)
+    _complaint(lambda: samplers.points("mine", 8))
 
 
 def _below(process: int) -> Iterator[int]:

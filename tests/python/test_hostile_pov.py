@@ -310,7 +310,9 @@ def test_a_scene_in_the_home_folder_is_refused(tmp_path: Path, monkeypatch: pyte
     assert povray_file.open_file(scene).path == scene
 
 
-@pytest.mark.parametrize("name", ['a"b.pov', "a\nPre_Scene_Command=touch x.pov", "\x1b[31m.pov"])
+@pytest.mark.parametrize(
+    "name", ['a"b.pov', "a=b.pov", "a;b.pov", "a'b.pov", "a\nPre_Scene_Command=touch x.pov", "\x1b[31m.pov"]
+)
 def test_the_name_of_a_scene_is_one_in_an_ini_file(place: Path, name: str) -> None:
     (place / name).write_text(BALL)
     with pytest.raises(errors.InvalidInput, match="rename the scene") as caught:

@@ -159,10 +159,14 @@ def _blank(found: re.Match[str]) -> str:
     return "\n" * found[0].count("\n") if found[0].startswith("/") else '""'
 
 
+UNNAMEABLE = "\"'=;"
+"""What POV-Ray cannot have in the name of a scene."""
+
+
 def _check_place(path: Path) -> None:
     """Raises InvalidInput for a scene whose folder has the user's whole home in it: all of that could be read; and for
     one whose name would be more than a name in an ini file."""
-    if steers(path.name) or '"' in path.name:
+    if steers(path.name) or any(each in path.name for each in UNNAMEABLE):
         raise InvalidInput(f"{as_shown(str(path))}: no name for an ini file, which sweep.ini is: rename the scene")
     folder = path.absolute().parent.resolve()
     try:
