@@ -312,9 +312,11 @@ static asc_status check_parameters(const asc_sampler_interface *table, const cha
 }
 
 static asc_status check_table(const asc_sampler_interface *table, const char *path, asc_error *error) {
-  if (!table)
-    return asc_fail(error, ASC_PLUGIN, "%s: has no \"%s\" for ABI version %u: build it against this version's headers",
-                    path, ASC_SAMPLER_INTERFACE_ID, ASC_ABI_VERSION);
+  if (!table) {
+    (void)asc_fail(error, ASC_PLUGIN, "%s: has no \"%s\" for ABI version %u: build it against this version's headers",
+                   path, ASC_SAMPLER_INTERFACE_ID, ASC_ABI_VERSION);
+    return ASC_PLUGIN;
+  }
   if (table->struct_size < LEAST_TABLE || !table->name || !table->title || !table->source || !table->create ||
       !table->destroy || !table->fill)
     return asc_fail(error, ASC_PLUGIN, "%s: its table of functions is too short or has gaps", path);

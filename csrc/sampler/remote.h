@@ -69,7 +69,7 @@ void *asc_remote_map(int memory, size_t *bytes);
 int asc_is_remote(const asc_sampler_interface *interface);
 asc_status asc_remote_create(const asc_sampler_interface *interface, const asc_sampler_config *config,
                              asc_sampler_state *made, asc_error *error);
-asc_status asc_remote_fill_area(const void *state, const asc_range *range, uint32_t columns, size_t first,
+asc_status asc_remote_fill_area(const void *opaque, const asc_range *range, uint32_t columns, size_t first,
                                 size_t pixels, double *points);
 
 #endif

@@ -118,7 +118,7 @@ static asc_status draw_ahead(const asc_sampler *sampler, uint32_t pixel, uint32_
                              double *points) {
   const block *area = &memory->area;
   const size_t each = memory->samples * memory->dimensions;
-  const uint32_t most = (uint32_t)(AHEAD / each), all = area->rows * area->columns;
+  const uint32_t most = (uint32_t)(AHEAD / (each ? each : 1)), all = area->rows * area->columns;
   const asc_range range = {area->x, area->y, 0, memory->samples, 0, memory->dimensions};
   if (!memory->ahead) memory->ahead = malloc(AHEAD * sizeof(double));
   if (!memory->ahead) return ASC_OUT_OF_MEMORY;

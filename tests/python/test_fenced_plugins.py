@@ -41,11 +41,14 @@ static int limited(pid_t process) {
   return syscall(SYS_prlimit64, process, RLIMIT_NOFILE, NULL, &limit) == 0;
 }
 
-static int forked(void) {
-  const pid_t child = fork();
+static int forked(pid_t child) {
   if (child == 0) _exit(0);
   return child > 0;
 }
+
+#ifndef SYS_fork /* newer machines have clone alone */
+#define SYS_fork SYS_clone, SIGCHLD
+#endif
 
 static int shrunk(void) {
   for (int fd = 3; fd < 64; fd++)
@@ -59,7 +62,9 @@ static int threaded(void) {
 }
 
 __attribute__((constructor)) static void reach(void) {
-  did(" fork", forked());
+  did(" fork", forked(fork()));
+  did(" old-fork", forked(syscall(SYS_fork, 0, 0, 0, 0)));
+  did(" exec", execl("/nowhere", "nowhere", NULL) != 0 && errno != EPERM);
   did(" signal", kill(getppid(), 0) == 0);
   did(" thread-signal", syscall(SYS_tgkill, getppid(), getppid(), 0) == 0);
   did(" queue-signal", sigqueue(getppid(), 0, (union sigval){0}) == 0);
@@ -93,7 +98,7 @@ def test_a_plugin_reads_its_folder_and_reaches_nothing_else(tmp_path: Path, monk
         free = separately("list", "samplers", "--trust-plugin", plugin, "--json").stdout
     kept, could = (_title(json.loads(text)) for text in (held, free))
     assert could.startswith(EVERYTHING)
-    assert {"fork", "signal", "limit", "local-socket", "outlive", "secret"} <= set(could.split())
+    assert {"fork", "old-fork", "exec", "signal", "limit", "local-socket", "outlive", "secret"} <= set(could.split())
     expected = ["did:", *(["data"] if landlock.abi() else []), *(["threads", "itself"] if seccomp.works() else [])]
     assert kept.split() == expected
     assert secret.read_text() == "mine"
