@@ -26,15 +26,13 @@ ENDINGS = (".obj", ".ply", ".stl", ".off", ".glb")
 
 def within(folder: Path, name: str) -> Path:
     """The path of a mesh in a scene's folder or below. Raises InvalidInput for one that leads out of it."""
-    if "\0" in name:
-        raise InvalidInput(f'"{name}" is no name of a file')
     path = folder / name
     try:
         inside = path.resolve().is_relative_to(folder.resolve())
     except (OSError, ValueError, RuntimeError) as error:  # a NUL byte; links that lead to each other
         raise InvalidInput(f'"{shortened(name)}" is no name of a file: {error}') from error
     if Path(name).is_absolute() or not inside:
-        raise InvalidInput(f'"{name}" leads out of the scene\'s folder; put the mesh beside the scene')
+        raise InvalidInput(f'"{shortened(name)}" leads out of the scene\'s folder; put the mesh beside the scene')
     return path
 
 
