@@ -12,7 +12,7 @@ import gltf_files
 import numpy as np
 import pytest
 
-from aliascope import meshes, scene_io
+from aliascope import bounded, meshes, scene_io
 from aliascope.errors import InvalidInput
 from aliascope.gltf import document, reading
 
@@ -231,8 +231,17 @@ def test_a_buffer_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     found["meshes"][0]["primitives"] = [{"attributes": {"POSITION": number}} for number in range(5)]
     path = tmp_path / "m.gltf"
     path.write_text(json.dumps(found))
-    monkeypatch.setattr(meshes, "LARGEST_FILE", path.stat().st_size + 36)
+    size = path.stat().st_size
+    asked: list[int] = []
+
+    def counted(path: Path, most: int, *rest: str) -> bytes:
+        asked.append(most)
+        return bounded.read_bytes(path, most, *rest)
+
+    monkeypatch.setattr(document, "read_bytes", counted)
+    monkeypatch.setattr(meshes, "LARGEST_FILE", size + 36)
     assert len(scene_io.load_file(path).scene.surfaces) == 5
+    assert asked == [size + 36, 36]  # the file could have grown
 
 
 @pytest.mark.parametrize(

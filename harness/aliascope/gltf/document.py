@@ -251,7 +251,7 @@ class Document:
         beside = "" if path == self.path else f': "{shortened(path.name)}"'
         size = 0
         with contextlib.suppress(OSError):  # of a name that no file can have; what is wrong the reading says
-            size = path.stat().st_size if path.is_file() else 0
+            size = path.stat().st_size
         if self._read + size > meshes.LARGEST_FILE:
             raise self.problem(f"a glTF scene has at most {meshes.LARGEST_FILE >> 20} MiB")
         data = read_bytes(path, meshes.LARGEST_FILE - self._read, "glTF", f"{self.path}{beside}")
