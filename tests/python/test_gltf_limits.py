@@ -297,14 +297,22 @@ def test_text_that_is_no_json_is_told_in_short(tmp_path: Path, text: str) -> Non
 
 
 def test_strips_and_normals_of_too_few(tmp_path: Path) -> None:
-    for mode in (4, 5, 6):
-        found, data = gltf_files.one_mesh(POINTS, np.array([0, 1], np.uint8), mode=mode)
+    for mode, count in ((4, 2), (5, 2), (5, 1), (6, 2), (6, 1)):
+        found, data = gltf_files.one_mesh(POINTS, CORNERS[:count], mode=mode)
         found["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = gltf_files.view_of(found, data, POINTS)
         assert "has no triangles" in refused(written(tmp_path / "m.gltf", found, data))
     for normals in (POINTS[:1], np.array([1, 2, 3], np.float32)):
         found, data = gltf_files.one_mesh(POINTS, CORNERS)
         found["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = gltf_files.view_of(found, data, normals)
         assert not any("smooth" in note for note in scene_io.load_file(written(tmp_path / "m.gltf", found, data)).notes)
+
+
+def test_a_camera_that_looks_away_looks_ahead_all_the_same(tmp_path: Path) -> None:
+    """From (0.3, 0.2, 5), along +z, and in the plane of all there is."""
+    camera = scene_io.load_file(written(tmp_path / "m.gltf", *changed("nodes.1.rotation", [0, 1, 0, 0]))).scene.camera
+    assert camera.look_at == pytest.approx((0.3, 0.2, 6.0))
+    camera = scene_io.load_file(written(tmp_path / "m.gltf", *changed("nodes.1.translation", [0, 0, 0]))).scene.camera
+    assert camera.look_at == pytest.approx((0.0, 0.0, -1.0))
 
 
 def test_words_of_a_file_are_short_and_steer_nothing(tmp_path: Path) -> None:

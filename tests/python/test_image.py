@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import struct
 import sys
@@ -99,6 +100,32 @@ def test_a_picture_of_layers_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a.dds").write_bytes(b"DDS " + head + struct.pack("<5I", 0x1008, 0x200000, 0, 0, 0) + bytes(32))
     with pytest.raises(InvalidInput, match="2 layers: at most"):
         read_image(tmp_path / "a.dds")
+
+
+def test_a_picture_that_fails_without_a_word_is_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Silent:
+        def spec(self) -> oiio.ImageSpec:
+            return oiio.ImageSpec(2, 2, 3, "float")
+
+        def read_image(self, _: object) -> None:
+            return None
+
+        def geterror(self) -> str:
+            return ""
+
+    monkeypatch.setattr(image, "opened", lambda path: contextlib.nullcontext(Silent()))
+    with pytest.raises(InvalidInput, match="the picture is broken: no reason given"):
+        read_image(tmp_path / "a.exr")
+
+
+def test_a_picture_that_may_not_be_read_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def forbidden(*_: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    write_exr(tmp_path / "a.exr", np.ones((2, 2, 3), np.float32), {})
+    monkeypatch.setattr(Path, "open", forbidden)  # root may read all
+    with pytest.raises(InvalidInput, match=r"a\.exr: cannot be read: Permission denied"):
+        read_image(tmp_path / "a.exr")
 
 
 def test_rows_that_are_cut_off_are_broken(tmp_path: Path) -> None:

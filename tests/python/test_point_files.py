@@ -145,6 +145,7 @@ def test_standard_input() -> None:
         ("x\n0.1,0.2\n", 1, "names 1 columns, but line 2 has 2"),
         ("x y\n0.1\n", 1, "names 2 columns, but line 2 has 1"),
         ("0.1,0.2\n" * 9 + "0.1,\0\n", 10, r'"\\x00" is no number'),
+        ("x\x07,y\n0.1,0.2\n", 1, r'"x\\x07" is no number'),
         ("0.1," + "z" * 1000 + "\n", 1, r'"z{37}\.\.\." is no number'),
     ],
 )
@@ -283,6 +284,12 @@ def test_the_pipe_of_a_shell_is_read_and_no_other_device() -> None:
     finally:
         os.close(reading)
         os.close(zero)
+
+
+def test_a_pipe_by_its_name_may_have_no_writer(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "a.csv")
+    with pytest.raises(InvalidInput, match="it is no file, but a pipe or a device"):
+        point_files._check_kind(tmp_path / "a.csv")
 
 
 def test_names_of_no_points(tmp_path: Path) -> None:
