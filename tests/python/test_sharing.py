@@ -61,7 +61,7 @@ def test_a_home_behind_a_link_is_found_by_both_names(
 
 def test_the_root_is_no_home(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", "/")
-    assert shared("/etc/a /b") == "/etc/a /b"
+    assert shared("/etc/a /b; df / now") == "/etc/a /b; df / now"
 
 
 @pytest.mark.parametrize(
