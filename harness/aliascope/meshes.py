@@ -36,6 +36,7 @@ def within(folder: Path, name: str) -> Path:
     return path
 
 
+@np.errstate(all="ignore")  # what is not finite is refused by name
 def load(path: Path) -> tuple[str, Array]:
     """The SHA-256 of a mesh file and its triangles, (n, 3, 3) float64, in the file's own coordinates.
 

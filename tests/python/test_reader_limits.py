@@ -243,6 +243,14 @@ def test_what_a_parser_says_is_told_in_short(tmp_path: Path) -> None:
     assert len(refused(scene_with(tmp_path, "m.ply"), "is broken or empty")) < 250 + len(str(tmp_path))
 
 
+def test_a_mesh_whose_nodes_lie_beyond_all_doubles_is_refused_without_a_warning(tmp_path: Path) -> None:
+    found, data = gltf_files.one_mesh(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]]))
+    found["nodes"] = [{"children": [1], "scale": [1e200] * 3}, {"mesh": 0, "scale": [1e200] * 3}]
+    found["scenes"][0]["nodes"] = [0]
+    gltf_files.glb(tmp_path / "m.glb", found, data)
+    refused(scene_with(tmp_path, "m.glb"), "triangle 0 has a corner that is not finite or beyond 1e30")
+
+
 @pytest.mark.parametrize("ending", [".glb", ".GLB"])
 def test_a_glb_that_is_a_mesh_is_held_to_the_limits_of_a_scene(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ending: str
