@@ -189,6 +189,16 @@ def test_how_many_nodes_a_document_has() -> None:
     assert document.Root.model_json_schema()["properties"]["nodes"]["maxItems"] == 1_000_000
 
 
+def test_extras_that_lie_in_each_other_too_deep(tmp_path: Path) -> None:
+    """Tables, which take more of Python's stack than reading them did."""
+    deep: Any = 1
+    for _ in range(600):
+        deep = {"a": deep}
+    assert "scene.extras.aliascope" in refused(
+        written(tmp_path / "m.gltf", *changed("scenes.0.extras", {"aliascope": deep}))
+    )
+
+
 # --- buffers ----------------------------------------------------------------------------------------------------------
 
 
