@@ -217,6 +217,13 @@ def test_how_far_a_polygon_may_leave_its_plane(tmp_path: Path) -> None:
             refused(path, "do not lie in one plane")
 
 
+def test_a_polygon_that_crosses_itself_is_refused(tmp_path: Path) -> None:
+    """Before it is cut into triangles, of which there may be none."""
+    path = tmp_path / "scene.toml"
+    path.write_text(WHOLE.replace("[0.0, 1.0, 0.0],\n]", "[0.2, 1.0, 0.0],\n  [0.5, -1.0, 0.0],\n]"))
+    refused(path, "surfaces.points: the polygon crosses or touches itself")
+
+
 # --- meshes -----------------------------------------------------------------------------------------------------------
 
 
