@@ -108,10 +108,6 @@ def opened(path: Path) -> Iterator[oiio.ImageInput]:
             raise InvalidInput(f"{path}: a name in it is no text: {_first_line(quoted)}") from error
 
 
-def _values(spec: oiio.ImageSpec) -> int:
-    return int(spec.width) * int(spec.height) * max(1, int(spec.depth)) * int(spec.nchannels)
-
-
 def _check_size(path: Path, spec: oiio.ImageSpec) -> None:
     """Raises InvalidInput for a header that claims more than is taken, before any of it is made."""
     if spec.nchannels > MOST_CHANNELS or spec.width * spec.nchannels > LARGEST_ROW or spec.depth > 1:
@@ -127,7 +123,8 @@ def read_image(path: Path) -> Pixels:
     Raises InvalidInput where the file is not there, no picture, or not whole.
     """
     with opened(path) as image:
-        values = _values(image.spec())
+        spec = image.spec()
+        values = int(spec.width) * int(spec.height) * int(spec.nchannels)  # of one layer, as `opened` saw to
         if values > LARGEST_PICTURE:
             raise InvalidInput(f"{path}: says that it has {values} values, and at most {LARGEST_PICTURE} are read")
         pixels = image.read_image(oiio.FLOAT)

@@ -26,18 +26,17 @@ ENDINGS = (".obj", ".ply", ".stl", ".off", ".glb")
 
 def within(folder: Path, name: str) -> Path:
     """The path of a mesh in a scene's folder or below. Raises InvalidInput for one that leads out of it."""
-    if "\0" in name:
-        raise InvalidInput(f'"{name}" is no name of a file')
     path = folder / name
     try:
         inside = path.resolve().is_relative_to(folder.resolve())
     except (OSError, ValueError, RuntimeError) as error:  # a NUL byte; links that lead to each other
         raise InvalidInput(f'"{shortened(name)}" is no name of a file: {error}') from error
     if Path(name).is_absolute() or not inside:
-        raise InvalidInput(f'"{name}" leads out of the scene\'s folder; put the mesh beside the scene')
+        raise InvalidInput(f'"{shortened(name)}" leads out of the scene\'s folder; put the mesh beside the scene')
     return path
 
 
+@np.errstate(all="ignore")  # what is not finite is refused by name
 def load(path: Path) -> tuple[str, Array]:
     """The SHA-256 of a mesh file and its triangles, (n, 3, 3) float64, in the file's own coordinates.
 

@@ -79,7 +79,7 @@ def check_name(path: Path) -> None:
     """Raises InvalidInput for a file whose name, which is its scene's, would lead elsewhere as the name of a folder,
     steer a terminal, or be computed by a spreadsheet that opens a table of results."""
     name = path.stem
-    if name in ("", ".", "..") or "\0" in name or len(name) > LONGEST_NAME or steers(name):
+    if name in ("", ".", "..") or len(name) > LONGEST_NAME or steers(name):
         raise InvalidInput(
             f"{as_shown(str(path))}: a scene is named as its file, with 1 to {LONGEST_NAME} characters, which are "
             "letters, digits and signs, and not . or ..: rename it"

@@ -94,7 +94,7 @@ def _message(
         text = f'unknown type "{shortened(tag)}"{near_misses(tag, expected)}'
         location = (*location, "type")
     elif detail["type"] == "missing":
-        text = f'the key "{shortened(str(location[-1]))}" is missing'
+        text = f'the key "{location[-1]}" is missing'
     elif detail["type"] in _BOUNDS:
         words, bound = _BOUNDS[detail["type"]]
         text = f"must be {words} {detail['ctx'][bound]:g}, not {_value(detail['input'])}"
@@ -113,7 +113,7 @@ def _value(value: object) -> str:
 
 def _plain(value: object) -> str:
     large = isinstance(value, int) and value.bit_length() >= 1000
-    return "a number of hundreds of digits" if large else shortened(repr(value))
+    return "a number of hundreds of digits" if large else repr(value)
 
 
 def line_of(lines: Mapping[Place, int], location: Place) -> int:

@@ -95,7 +95,7 @@ URIS = {
     "http://127.0.0.1:9/data.bin": "which is no file beside it",
     "C:%5Cdata.bin": "which is no file beside it",
     "..%5Cother%5Cdata.bin": "No such file",
-    "data.bin%00.png": "which is no file beside it",
+    "data.bin%00.png": "is no name of a file",
     "link.bin": "leads out of",
     "out/data.bin": "leads out of",
     "/dev/zero": "leads out of",

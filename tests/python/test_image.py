@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+import struct
 import sys
 from pathlib import Path
 
@@ -10,6 +12,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
+from aliascope import image
 from aliascope.errors import InvalidInput, NotFinite, NotWritable
 from aliascope.image import read_header, read_image, write_exr
 from aliascope.studies import error_maps
@@ -65,6 +68,76 @@ def test_a_jpeg_that_ends_too_soon_is_no_picture(tmp_path: Path) -> None:
     cut.write_bytes(whole.read_bytes()[: whole.stat().st_size // 2])
     with pytest.raises(InvalidInput, match=r"cut\.jpg: the picture is broken: "):
         read_image(cut)
+
+
+def test_how_many_channels_and_values_a_picture_may_have(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for channels in (256, 257):
+        write_exr(tmp_path / f"{channels}.exr", np.ones((2, 2, channels), np.float32), {})
+    assert read_image(tmp_path / "256.exr").shape == (2, 2, 256)
+    with pytest.raises(InvalidInput, match="says that it has 257 channels"):
+        read_header(tmp_path / "257.exr")
+    monkeypatch.setattr(image, "LARGEST_PICTURE", 1024)
+    monkeypatch.setattr(image, "LARGEST_ROW", 512)
+    read_image(tmp_path / "256.exr")
+    monkeypatch.setattr(image, "LARGEST_PICTURE", 1023)
+    with pytest.raises(InvalidInput, match="says that it has 1024 values, and at most 1023 are read"):
+        read_image(tmp_path / "256.exr")
+    monkeypatch.setattr(image, "LARGEST_ROW", 511)
+    with pytest.raises(InvalidInput, match="at most 256 channels, 511 values in a row"):
+        read_header(tmp_path / "256.exr")
+
+
+def test_what_a_row_and_a_picture_hold_at_most() -> None:
+    """In bytes, as float32: of a row some are held at once (`read_rows`), of a picture it and its copy."""
+    assert 4 * image.LARGEST_ROW <= 1 << 27
+    assert 4 * image.LARGEST_PICTURE <= 1 << 30
+
+
+def test_a_picture_of_layers_is_refused(tmp_path: Path) -> None:
+    """A DDS file of 2 x 2 x 2 values."""
+    head = struct.pack("<7I", 124, 0x801007, 2, 2, 8, 2, 0) + bytes(44)
+    head += struct.pack("<8I", 32, 0x41, 0, 32, 0xFF0000, 0xFF00, 0xFF, 0xFF000000)
+    (tmp_path / "a.dds").write_bytes(b"DDS " + head + struct.pack("<5I", 0x1008, 0x200000, 0, 0, 0) + bytes(32))
+    with pytest.raises(InvalidInput, match="2 layers: at most"):
+        read_image(tmp_path / "a.dds")
+
+
+def test_a_picture_that_fails_without_a_word_is_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Silent:
+        def spec(self) -> oiio.ImageSpec:
+            return oiio.ImageSpec(2, 2, 3, "float")
+
+        def read_image(self, _: object) -> None:
+            return None
+
+        def geterror(self) -> str:
+            return ""
+
+    monkeypatch.setattr(image, "opened", lambda path: contextlib.nullcontext(Silent()))
+    with pytest.raises(InvalidInput, match="the picture is broken: no reason given"):
+        read_image(tmp_path / "a.exr")
+
+
+def test_a_picture_that_may_not_be_read_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def forbidden(*_: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    write_exr(tmp_path / "a.exr", np.ones((2, 2, 3), np.float32), {})
+    monkeypatch.setattr(Path, "open", forbidden)  # root may read all
+    with pytest.raises(InvalidInput, match=r"a\.exr: cannot be read: Permission denied"):
+        read_image(tmp_path / "a.exr")
+
+
+def test_rows_that_are_cut_off_are_broken(tmp_path: Path) -> None:
+    whole = tmp_path / "whole.exr"
+    write_exr(whole, np.random.default_rng(1).random((64, 64, 3), np.float32), {})
+    data = whole.read_bytes()
+    (tmp_path / "cut.exr").write_bytes(data[: len(data) // 2] + bytes(len(data) // 4))
+    with (
+        image.opened(tmp_path / "cut.exr") as found,
+        pytest.raises(InvalidInput, match=r"cut\.exr: the picture is broken: "),
+    ):
+        image.read_rows(found, tmp_path / "cut.exr", 0, 64)
 
 
 def test_names_that_are_no_text_are_escaped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import pickle
 import re
 import subprocess
@@ -144,6 +145,7 @@ def test_standard_input() -> None:
         ("x\n0.1,0.2\n", 1, "names 1 columns, but line 2 has 2"),
         ("x y\n0.1\n", 1, "names 2 columns, but line 2 has 1"),
         ("0.1,0.2\n" * 9 + "0.1,\0\n", 10, r'"\\x00" is no number'),
+        ("x\x07,y\n0.1,0.2\n", 1, r'"x\\x07" is no number'),
         ("0.1," + "z" * 1000 + "\n", 1, r'"z{37}\.\.\." is no number'),
     ],
 )
@@ -228,6 +230,73 @@ def test_arrays_that_are_no_points(tmp_path: Path, content: bytes, says: str) ->
 def test_a_shape_that_no_memory_holds(tmp_path: Path) -> None:
     (tmp_path / "a.npy").write_bytes(saved(np.zeros((4, 2))).replace(b"(4, 2), }        ", b"(4000000000000, 9)}"))
     assert "is cut off: " in wrong(tmp_path / "a.npy")
+
+
+def test_the_limits_are_taken_to_their_edge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text, stored = tmp_path / "a.csv", tmp_path / "a.npy"
+    text.write_text("0.5,0.25,0.125\n" * 20)
+    np.save(stored, np.full((20, 3), 0.5))
+    monkeypatch.setattr(point_files, "MOST_COLUMNS", 3)
+    monkeypatch.setattr(point_files, "MOST_NUMBERS", 60)
+    for chunk in (16, 1 << 22):  # the numbers of all chunks count
+        monkeypatch.setattr(point_files, "_CHUNK", chunk)
+        for path in (text, stored) if chunk > 16 else (text,):
+            with monkeypatch.context() as lowered:
+                assert read_points(str(path)).shape == (20, 3)
+                lowered.setattr(point_files, "MOST_NUMBERS", 59)
+                assert "has more than 59 numbers, the most that are read" in wrong(path)
+                lowered.setattr(point_files, "MOST_COLUMNS", 2)
+                assert "has 3 columns; points have at most 2 dimensions" in wrong(path)
+    assert wrong(stored.rename(tmp_path / "b.txt")).startswith(f"{tmp_path / 'b.txt'}:1: is no text")
+
+
+def test_the_line_that_has_too_many_columns_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(point_files, "MOST_COLUMNS", 2)
+    (tmp_path / "a.csv").write_text("# x\n0.5,0.5,0.5\n")
+    assert wrong(tmp_path / "a.csv").startswith(f"{tmp_path / 'a.csv'}:2: has 3 columns")
+
+
+def test_an_array_in_a_file_that_is_too_large_is_not_looked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its header may say that it is as long."""
+    (tmp_path / "a.npy").write_bytes(saved(np.full((4, 2), 0.5)) + bytes(2000))
+    monkeypatch.setattr(point_files, "_CHUNK", 1000)
+    assert read_points(str(tmp_path / "a.npy")).shape == (4, 2)
+    monkeypatch.setattr(point_files, "MOST_NUMBERS", 100)
+    assert "has more than 100 numbers" in wrong(tmp_path / "a.npy")
+
+
+def test_what_points_hold_at_most() -> None:
+    """In bytes, as float64; a line is held as text."""
+    assert 8 * point_files.MOST_NUMBERS <= 1 << 30
+    assert point_files._LONGEST_LINE <= 1 << 26
+
+
+def test_the_pipe_of_a_shell_is_read_and_no_other_device() -> None:
+    reading, writing = os.pipe()
+    zero = os.open("/dev/zero", os.O_RDONLY)
+    try:
+        os.write(writing, b"0.125,0.5\n1,0\n")
+        os.close(writing)
+        assert read_points(f"/dev/fd/{reading}").tolist() == TWO
+        assert "it is no file, but a pipe or a device" in wrong(Path(f"/dev/fd/{zero}"))
+    finally:
+        os.close(reading)
+        os.close(zero)
+
+
+def test_a_pipe_by_its_name_may_have_no_writer(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "a.csv")
+    with pytest.raises(InvalidInput, match="it is no file, but a pipe or a device"):
+        point_files._check_kind(tmp_path / "a.csv")
+
+
+def test_names_of_no_points(tmp_path: Path) -> None:
+    assert "a name has no NUL byte" in wrong(tmp_path / "a\0.csv")
+    assert "Is a directory" in wrong(tmp_path)
+    (tmp_path / "a.npy").mkdir()
+    assert "Is a directory" in wrong(tmp_path / "a.npy")
 
 
 def test_errors_are_one_line_and_exit_code_2(tmp_path: Path) -> None:

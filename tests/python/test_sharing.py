@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from commands import run
 
-from aliascope import cli, image, places
+from aliascope import cli, image, places, sharing
 from aliascope.records import Failure
 from aliascope.report.encode import from_text
 from aliascope.sharing import command_line, masked, records_shared, shared, shell_word
@@ -61,7 +61,7 @@ def test_a_home_behind_a_link_is_found_by_both_names(
 
 def test_the_root_is_no_home(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", "/")
-    assert shared("/etc/a /b") == "/etc/a /b"
+    assert shared("/etc/a /b; df / now") == "/etc/a /b; df / now"
 
 
 @pytest.mark.parametrize(
@@ -99,6 +99,14 @@ def test_a_path_is_a_word_of_a_command(home: Path) -> None:
         ('{"api_key": "abc"}', '{"api_key": ***}'),
         ("--tls-key /etc/key.pem --size 3x3", "--tls-key *** --size 3x3"),
         ("Authorization: Bearer abcdefghij", "Authorization: Bearer ***"),
+        ("authorization: basic YWJjOmRlZg==", "authorization: basic ***"),
+        ("token=a1 auth_token=a2 TOKEN=a3", "token=*** auth_token=*** TOKEN=***"),
+        ("passwd=a1 db_password=a2 passphrase=a3", "passwd=*** db_password=*** passphrase=***"),
+        ("client_secret=a1 AWS_CREDENTIALS=a2", "client_secret=*** AWS_CREDENTIALS=***"),
+        ("apikey=a1 access_key=a2 private-key=a3 TLS_KEY=a4", "apikey=*** access_key=*** private-key=*** TLS_KEY=***"),
+        ("secret='a b' token=\"c d\" end", "secret=*** token=*** end"),
+        ("--Token 'a b' --PASSWORD a1 end", "--Token *** --PASSWORD *** end"),
+        ("-----BEGIN PRIVATE KEY-----\nMII and no more", "***"),
         ("-----BEGIN RSA PRIVATE KEY-----\nMII\n-----END RSA PRIVATE KEY----- end", "*** end"),
         ("embree uniform:n=4,sampler=sobol: key 3 of a mesh", "embree uniform:n=4,sampler=sobol: key 3 of a mesh"),
         ("tcp://127.0.0.1:8786 and a@b", "tcp://127.0.0.1:8786 and a@b"),
@@ -111,6 +119,36 @@ def test_secrets_are_masked(text: str, expected: str) -> None:
 def test_a_secret_is_masked_as_a_word_of_its_own() -> None:
     words = ["aliascope", "compare", "--cluster", "tls://me:pw@h:1", "--tls-key", "a b", "--auth-token=xyz", "-j", "2"]
     assert command_line(words) == "aliascope compare --cluster 'tls://***@h:1' --tls-key *** '--auth-token=***' -j 2"
+
+
+@pytest.mark.parametrize("option", ["--token", "-token", "--API-KEY", "--db-passphrase", "-Secret"])
+def test_the_word_after_an_option_that_says_so_is_masked(option: str) -> None:
+    assert command_line(["x", option, "a b", "c"]) == f"x {option} *** c"
+
+
+def test_a_home_that_is_none(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A relative one, one within the other, and a user whom nobody knows."""
+    monkeypatch.setenv("HOME", "a/b")
+    assert shared("a/b/c") == "a/b/c"
+    (tmp_path / "me" / "real").mkdir(parents=True)
+    (tmp_path / "me" / "real" / "link").symlink_to(tmp_path / "me" / "real")
+    monkeypatch.setenv("HOME", f"{tmp_path}/me/real/link")
+    assert shared(f"{tmp_path}/me/real/link/a {tmp_path}/me/real/b") == "~/a ~/b"
+    monkeypatch.delenv("HOME")
+
+    def unknown() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(Path, "home", unknown)
+    sharing._homes_of.cache_clear()
+    try:
+        assert shared("/home/me/a") == "/home/me/a"
+    finally:
+        sharing._homes_of.cache_clear()
+
+
+def test_lists_and_keys_are_shared_too(home: Path) -> None:
+    assert records_shared([f"{home}/a", {f"{home}/b": [f"{home}/c"]}]) == ["~/a", {"~/b": ["~/c"]}]
 
 
 def test_texts_in_records_in_any_depth(home: Path) -> None:

@@ -248,10 +248,10 @@ class Document:
 
     def _file(self, path: Path) -> bytes:
         """All files together have at most as many bytes as a mesh may have."""
-        beside = "" if path == self.path else f': "{path.name}"'
+        beside = "" if path == self.path else f': "{shortened(path.name)}"'
         size = 0
         with contextlib.suppress(OSError):  # of a name that no file can have; what is wrong the reading says
-            size = path.stat().st_size if path.is_file() else 0
+            size = path.stat().st_size
         if self._read + size > meshes.LARGEST_FILE:
             raise self.problem(f"a glTF scene has at most {meshes.LARGEST_FILE >> 20} MiB")
         data = read_bytes(path, meshes.LARGEST_FILE - self._read, "glTF", f"{self.path}{beside}")
@@ -307,7 +307,7 @@ class Document:
 
     def _beside(self, index: int, name: str) -> bytes:
         """The file of a buffer, in the scene's folder or below."""
-        if ":" in name.partition("/")[0] or "\0" in name:
+        if ":" in name.partition("/")[0]:
             raise self.problem(f'buffer {index} is at "{shortened(name)}", which is no file beside it')
         try:
             path = meshes.within(self.path.parent, name)

@@ -82,15 +82,15 @@ class _Placed:
     lights: list[tuple[int, Array]] = field(default_factory=list)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what is not finite is refused by name
 def read(path: Path) -> Read:
     """The scene of a .glb or .gltf file. Raises InvalidInput, with the file's name."""
     opened = Document(path)
     notes: dict[str, None] = {}
     roots, found = _roots(opened)
     own = _own(opened, found)
-    with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused by name
-        placed = _placed(opened, roots, notes)
-        surfaces, materials = _surfaces(opened, placed, notes)
+    placed = _placed(opened, roots, notes)
+    surfaces, materials = _surfaces(opened, placed, notes)
     corners = np.concatenate([surface.triangles.reshape(-1, 3) for surface in surfaces])
     bounds = np.stack([corners.min(axis=0), corners.max(axis=0)])
     if opened.root.animations:
@@ -231,11 +231,11 @@ def _check_counts(opened: Document, placed: _Placed) -> None:
         )
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def check(path: Path) -> None:
     """Raises InvalidInput for a file that `read` would not take for the number of things in it, or its nodes."""
     opened = Document(path)
-    with np.errstate(over="ignore", invalid="ignore"):
-        _check_counts(opened, _placed(opened, _roots(opened)[0], {}))
+    _check_counts(opened, _placed(opened, _roots(opened)[0], {}))
 
 
 def _count(opened: Document, primitive: Primitive) -> int:

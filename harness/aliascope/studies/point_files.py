@@ -217,7 +217,7 @@ def _what_is_no_number(field: str) -> str:
         return "a field is empty"
     shown = field if len(field) <= 40 else field[:37] + "..."
     remark = ", whose decimal sign has to be a point" if _number(field.replace(",", ".", 1)) is not None else ""
-    return f'"{shown if shown.isprintable() else ascii(shown)[1:-1]}" is no number{remark}'
+    return f'"{shown}" is no number{remark}'
 
 
 # --- .npy -------------------------------------------------------------------------------------------------------------
