@@ -192,15 +192,17 @@ def test_an_address_that_cannot_be_read(address: str, tmp_path: Path) -> None:
 def test_where_nobody_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster_client, "CONNECTING", 0.2)
     words = ("compare", "edge", "-m", "none", "-o", tmp_path / "out", "--cluster", "tcp://127.0.0.1:1")
-    assert "no scheduler answers at tcp://127.0.0.1:1" in (told := complaint(*words, code=3))
-    assert "dask scheduler" in told
+    # It is refused, or the time is over, on a busy machine.
+    told = "no scheduler answers at tcp://127.0.0.1:1"
+    assert told in (line := complaint(*words, code=3))
+    assert "dask scheduler" in line
 
     async def in_a_loop() -> str:
         """As from a notebook, whose thread has a loop that runs."""
         return complaint(*words, code=3)
 
     with ThreadPoolExecutor(1) as thread:  # this one may have a loop already, that of the tests of pages
-        assert thread.submit(lambda: asyncio.run(in_a_loop())).result() == told
+        assert told in thread.submit(lambda: asyncio.run(in_a_loop())).result()
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert "pip install 'aliascope[cluster]'" in complaint(*words, code=3)
 

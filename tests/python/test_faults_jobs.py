@@ -111,7 +111,7 @@ def test_jobs_that_crash_or_hang_lose_themselves_alone_while_the_clock_goes_back
     plugin, clock = compiled(tmp_path, "trouble", TROUBLE), compiled(tmp_path, "clock", CLOCK)
     folder = tmp_path / "out"
     good = ("compare", "edge", "-r", "embree", "-m", "uniform:n=1", "--size", "16x12", "--json")
-    words = (*good, "-m", "uniform:n=4,sampler=trouble", "--plugin", str(plugin), "--time-limit", "15")
+    words = (*good, "-m", "uniform:n=4,sampler=trouble", "--trust-plugin", str(plugin), "--time-limit", "15")
     with started(folder, arguments=words, prepare=lambda: set_back(clock)) as process:
         process.join(PATIENCE)
         assert process.exitcode == 4

@@ -34,6 +34,7 @@ HARMLESS = {
     "sharing.py",
     "bounded.py",
     "landlock.py",
+    "seccomp.py",
 }
 """Imported by renderers, and free of anything that could change a picture: messages, frozen types, how far a film may
 be moved, where files lie, folders for a moment, what is logged, files that are read whole or refused, and which a

@@ -316,7 +316,7 @@ def test_the_command_measures_writes_and_keeps(tmp_path: Path, monkeypatch: pyte
     modes = {"embree": {"plain": ("uniform:n=64,sampler=sobol,sampler.scramble=owen",)}}
     monkeypatch.setattr(regress_suite, "SUITE", modes)
     words = ("power", file.path, "-r", "embree", "-j", "1", "-o", tmp_path / "out", "--repetitions", "30")
-    assert "--plugin .build/plugins/repeats.so" in complaint(*words, code=2)
+    assert "--trust-plugin .build/plugins/repeats.so" in complaint(*words, code=2)
     wanted = {name: DEFECTS[name] for name in ("gain 1 %", "wider filter")}
     monkeypatch.setattr(power, "DEFECTS", wanted)
     monkeypatch.setattr(power, "REPEATED", tuple(wanted))
