@@ -1,10 +1,10 @@
 #define _GNU_SOURCE /* syscall, sched_setaffinity */
-#include <errno.h>
 #include <linux/futex.h>
 #include <pthread.h>
 #include <sched.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <time.h>
@@ -22,6 +22,12 @@ void asc_remote_sleep(_Atomic uint32_t *turn, uint32_t old, double seconds) {
 void asc_remote_say(_Atomic uint32_t *turn, uint32_t now) {
   atomic_store(turn, now);
   (void)syscall(SYS_futex, turn, FUTEX_WAKE, 1, NULL, NULL, 0);
+}
+
+double asc_remote_now(clockid_t clock) {
+  struct timespec time;
+  (void)clock_gettime(clock, &time);
+  return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
 void *asc_remote_map(int memory, size_t *bytes) {
@@ -79,6 +85,10 @@ static asc_status create(asc_remote_channel *channel) {
                                      channel->data};
   asc_sampler_state made = {0};
   const asc_status status = served->create(&config, &made, &channel->error);
+  struct rlimit limit;
+  if (status == ASC_OUT_OF_MEMORY && !getrlimit(RLIMIT_AS, &limit) && limit.rlim_cur != RLIM_INFINITY)
+    (void)asc_fail(&channel->error, status, "out of memory: the plugin may take %.3g GiB",
+                   (double)limit.rlim_cur / (1024.0 * 1024.0 * 1024.0));
   channel->state = (uint64_t)(uintptr_t)made.state;
   channel->traits = made.traits;
   channel->index_end = made.index_end;
@@ -117,7 +127,9 @@ static void *serve(void *argument) {
     uint32_t turn;
     while ((turn = atomic_load(&channel->turn)) != ASC_REMOTE_ASKED) asc_remote_sleep(&channel->turn, turn, FOREVER);
     follow(&processor, channel->processor);
+    const double begun = asc_remote_now(CLOCK_THREAD_CPUTIME_ID);
     channel->status = (uint32_t)answer(channel);
+    channel->seconds = asc_remote_now(CLOCK_THREAD_CPUTIME_ID) - begun;
     asc_remote_say(&channel->turn, ASC_REMOTE_ANSWERED);
   }
   return NULL;

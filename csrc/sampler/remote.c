@@ -1,4 +1,4 @@
-#define _GNU_SOURCE /* strdup, clock_gettime, sched_getcpu */
+#define _GNU_SOURCE /* strdup, sched_getcpu */
 #include "remote.h"
 
 #include <fcntl.h>
@@ -9,7 +9,6 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 #define LOOK_EVERY 0.05  /* s between looks at whether the host lives, while it has not answered */
@@ -82,12 +81,6 @@ static connection *connect_to(int memory, int alive, double time_limit) {
   return host;
 }
 
-static double now(void) {
-  struct timespec time;
-  (void)clock_gettime(CLOCK_MONOTONIC, &time);
-  return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
 static int lives(const connection *host) {
   struct pollfd of = {host->alive, 0, 0};
   return poll(&of, 1, 0) == 0;
@@ -111,11 +104,12 @@ static asc_status wait_for(connection *host, _Atomic uint32_t *turn) {
     seen = atomic_load(turn);
   }
   if (seen == ASC_REMOTE_ANSWERED) return ASC_OK;
-  const double limit = now() + host->time_limit;
+  const double limit = asc_remote_now(CLOCK_MONOTONIC) + host->time_limit;
   while ((seen = atomic_load(turn)) != ASC_REMOTE_ANSWERED) {
     if (atomic_load(&host->ended)) return ASC_ENDED;
     asc_remote_sleep(turn, seen, LOOK_EVERY);
-    if (atomic_load(turn) != ASC_REMOTE_ANSWERED && (now() > limit || !lives(host))) return end(host);
+    if (atomic_load(turn) != ASC_REMOTE_ANSWERED && (asc_remote_now(CLOCK_MONOTONIC) > limit || !lives(host)))
+      return end(host);
   }
   return ASC_OK;
 }
@@ -146,13 +140,21 @@ static void give_back(connection *host, const asc_remote_channel *channel) {
   (void)pthread_mutex_unlock(&host->lock);
 }
 
+static _Thread_local double charged;
+
+double asc_plugin_seconds(void) { return charged; }
+
 /* A status that a sampler may give; a code that none has is that of a host that cannot be believed. */
 static asc_status ask(connection *host, asc_remote_channel *channel, asc_remote_question question) {
+  const double begun = asc_remote_now(CLOCK_MONOTONIC);
   channel->question = (uint32_t)question;
   channel->processor = sched_getcpu();
   asc_remote_say(&channel->turn, ASC_REMOTE_ASKED);
   const asc_status status = wait_for(host, &channel->turn);
   if (status) return status;
+  /* No more than it took on the wall, whatever a host says. */
+  const double wall = asc_remote_now(CLOCK_MONOTONIC) - begun, said = channel->seconds;
+  if (said > 0.0) charged += said < wall ? said : wall;
   const uint32_t answer = channel->status;
   return answer <= ASC_OUT_OF_RANGE ? (asc_status)answer : end(host);
 }

@@ -8,6 +8,7 @@
 #define ASC_REMOTE_H
 
 #include <stdatomic.h>
+#include <time.h>
 
 #include "made.h"
 
@@ -34,6 +35,7 @@ typedef struct asc_remote_channel {
   /* The answer. */
   uint32_t status, traits;
   uint64_t index_end;
+  double seconds; /* of CPU time that it took */
   asc_error error;
   double data[ASC_REMOTE_DOUBLES];
 } asc_remote_channel;
@@ -61,6 +63,9 @@ static inline asc_remote_channel *asc_remote_channels(void *memory) {
 /* Sleeps until the turn is another than `old`, at most so long; also wakes for nothing. */
 void asc_remote_sleep(_Atomic uint32_t *turn, uint32_t old, double seconds);
 void asc_remote_say(_Atomic uint32_t *turn, uint32_t now);
+
+/* Of a clock, as clock_gettime names it. */
+double asc_remote_now(clockid_t clock);
 
 /* Maps the memory of a file descriptor; its size. NULL where that cannot be. */
 void *asc_remote_map(int memory, size_t *bytes);

@@ -7,6 +7,7 @@
 #include <time.h>
 
 #include "adaptive.h"
+#include "aliascope/plugin.h"
 #include "complaint.h"
 #include "corners.h"
 #include "emitter.h"
@@ -21,7 +22,7 @@ static double seconds(clockid_t clock) {
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-double tracer_thread_cpu_seconds(void) { return seconds(CLOCK_THREAD_CPUTIME_ID); }
+double tracer_thread_cpu_seconds(void) { return seconds(CLOCK_THREAD_CPUTIME_ID) + asc_plugin_seconds(); }
 
 uint32_t tracer_embree_version(void) { return RTC_VERSION; }
 

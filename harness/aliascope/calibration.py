@@ -12,6 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from aliascope.native import plugin_process
 from aliascope.native.samplers import Sampler
 from aliascope.records import Noise
 
@@ -43,8 +44,9 @@ class Beat:
 
 @dataclass(frozen=True)
 class Effort:
-    """What a run took of the process that did it. wall, own: seconds of it, and CPU seconds without those of other
-    programs that it started; used: all CPU seconds, of those programs too, since the process began."""
+    """What a run took of the process that did it. wall, own: seconds of it, and CPU seconds, with those of the plugins
+    that it asks and without those of other programs that it started; used: all CPU seconds, of those programs too,
+    since the process began."""
 
     wall: float
     own: float
@@ -63,14 +65,19 @@ def beat() -> Beat:
 
 def effort() -> Callable[[], Effort]:
     """Begins to watch a run of this process; what is returned ends it."""
-    begun, cpu = time.perf_counter(), time.process_time()
+    begun, cpu = time.perf_counter(), _own_seconds()
 
     def end() -> Effort:
         children = resource.getrusage(resource.RUSAGE_CHILDREN)
-        own = time.process_time()
+        own = _own_seconds()
         return Effort(time.perf_counter() - begun, own - cpu, os.getpid(), own + children.ru_utime + children.ru_stime)
 
     return end
+
+
+def _own_seconds() -> float:
+    """CPU seconds of this process, and of the plugins that it asks and waits for."""
+    return time.process_time() + plugin_process.seconds()
 
 
 def busy_seconds(stat: Path = Path("/proc/stat")) -> float | None:
@@ -89,7 +96,7 @@ class Watch:
     def __init__(self) -> None:
         self._beats: list[Beat] = []
         self._efforts: list[Effort] = []
-        self._begun, self._own, self._busy = time.perf_counter(), time.process_time(), busy_seconds()
+        self._begun, self._own, self._busy = time.perf_counter(), _own_seconds(), busy_seconds()
 
     def beat(self, beat: Beat) -> None:
         """A run of the fixed job."""
@@ -107,7 +114,7 @@ class Watch:
         used: dict[int, float] = {}
         for each in self._efforts:
             used[each.process] = max(used.get(each.process, 0.0), each.used)
-        ours = time.process_time() - self._own + sum(used.values())
+        ours = _own_seconds() - self._own + sum(used.values())
         return max(0.0, (busy - self._busy - ours) / seconds)
 
     def noise(self) -> Noise | None:

@@ -13,7 +13,7 @@ import errno
 import os
 import platform
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 _SET_NO_NEW_PRIVS, _SET_SECCOMP, _GET_SECCOMP, _MODE_FILTER = 38, 22, 21, 2
@@ -129,20 +129,19 @@ def _filter(name: str, own: int) -> Iterator[tuple[int, int, int, int]]:
     yield _RETURN, 0, 0, refused
     yield _RETURN, 0, 0, _ALLOW
     for number in machine.of_one:
-        yield _JUMP_EQUAL, 0, 5, number
-        yield _LOAD, 0, 0, _ARGUMENTS_AT[0]
-        yield _JUMP_EQUAL, 2, 0, 0
-        yield _JUMP_EQUAL, 1, 0, own
-        yield _RETURN, 0, 0, refused
-        yield _RETURN, 0, 0, _ALLOW
-    yield _JUMP_EQUAL, 0, 4, machine.prctl
-    yield _LOAD, 0, 0, _ARGUMENTS_AT[0]
-    yield _JUMP_EQUAL, 0, 1, _SET_PARENT_DEATH_SIGNAL
-    yield _RETURN, 0, 0, refused
+        yield from _looking(number, 0, [(0, _ALLOW), (own, _ALLOW)], refused)
+    yield from _looking(machine.prctl, 0, [(_SET_PARENT_DEATH_SIGNAL, refused)], _ALLOW)
+    yield from _looking(machine.fcntl, 1, [(command, refused) for command in _OWNERS], _ALLOW)
     yield _RETURN, 0, 0, _ALLOW
-    yield _JUMP_EQUAL, 0, 1 + 2 * len(_OWNERS), machine.fcntl
-    yield _LOAD, 0, 0, _ARGUMENTS_AT[1]
-    for command in _OWNERS:
-        yield _JUMP_EQUAL, 0, 1, command
-        yield _RETURN, 0, 0, refused
-    yield _RETURN, 0, 0, _ALLOW
+
+
+def _looking(
+    number: int, argument: int, answers: Sequence[tuple[int, int]], otherwise: int
+) -> Iterator[tuple[int, int, int, int]]:
+    """The steps for one call that depends on an argument: (value, answer) of each, else another answer."""
+    yield _JUMP_EQUAL, 0, 2 + 2 * len(answers), number
+    yield _LOAD, 0, 0, _ARGUMENTS_AT[argument]
+    for value, answer in answers:
+        yield _JUMP_EQUAL, 0, 1, value
+        yield _RETURN, 0, 0, answer
+    yield _RETURN, 0, 0, otherwise

@@ -230,6 +230,7 @@ static void answer(int memory, const char *name, uint32_t lie) {
       }
       channels[i].traits = UINT32_MAX;
       channels[i].index_end = UINT64_MAX;
+      channels[i].seconds = HUGE_VAL;
       channels[i].pixels = channels[i].first = channels[i].range.sample_count = SIZE_MAX;
       for (size_t d = 0; d < 64; d++) channels[i].data[d] = -HUGE_VAL;
       asc_remote_say(&channels[i].turn, ASC_REMOTE_ANSWERED);
@@ -261,6 +262,7 @@ static void hosts_that_lie_are_not_believed(void **unused) {
   asc_sampler_destroy(sampler);
   end(&liar);
 
+  const double before = asc_plugin_seconds(), begun = asc_remote_now(CLOCK_MONOTONIC);
   host fabulist = begin(lie_in_values);
   assert_int_equal(connected(&fabulist, "fabulist.so", LIMIT, &error), ASC_OK);
   sampler = made("fabulist", 8);
@@ -271,6 +273,8 @@ static void hosts_that_lie_are_not_believed(void **unused) {
   assert_int_equal(asc_sampler_describe(index, &info), ASC_OK);
   assert_string_equal(info.name, "fabulist");
   assert_int_equal(strlen(info.title), sizeof((asc_remote_table *)NULL)->title - 1);
+  assert_true(asc_plugin_seconds() > before);
+  assert_true(asc_plugin_seconds() - before <= asc_remote_now(CLOCK_MONOTONIC) - begun);
   asc_sampler_destroy(sampler);
   end(&fabulist);
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import multiprocessing
 import os
+import re
 import signal
 import socket
 import time
@@ -19,10 +20,10 @@ from commands import in_a_fork, separately
 from test_hostile_plugin import EVERYTHING, LOOKS
 from test_plugin_check import GOOD, compiled, in_place
 
-from aliascope import landlock, seccomp
+from aliascope import calibration, landlock, scene_io, seccomp
 from aliascope.errors import AliascopeError
 from aliascope.image import read_image
-from aliascope.native import plugin_process, samplers
+from aliascope.native import plugin_process, samplers, tracer
 
 REACHES = r"""
 #include <errno.h>
@@ -158,6 +159,7 @@ SIGNALS = in_place("globals", "#include <signal.h>\n#include <stdio.h>")
         ("filled", 'fputs("of\\nthree\\033[2J words\\n", stderr); abort();', "crashed with SIGABRT (three [2J words)"),
         ("filled", 'puts("x"); _exit(0);', "ended its process with exit code 0"),
         ("filled", "for (;;) *(volatile char *)malloc(1 << 26) = 1;", "crashed with SIGSEGV"),
+        ("filled", "if (ftruncate(2, (off_t)1 << 27)) abort();", "crashed with SIGABRT"),  # what it says has a bound
         ("filled", "for (;;) raise(SIGSTOP);", "had not answered within 0.5 s, and was ended"),
         ("filled", "for (;;) sleep(1);", "had not answered within 0.5 s, and was ended"),
         ("filled", "return 99;", "had not answered"),
@@ -192,6 +194,12 @@ def _complaint(act: Callable[[], Any]) -> str:
     except AliascopeError as error:
         return str(error)
     return "no error"
+
+
+def test_memory_that_it_may_not_have_is_said_with_the_limit(tmp_path: Path) -> None:
+    much = ("mine *state = malloc(sizeof *state);", "mine *state = malloc(sizeof *state << 40);")
+    failed = separately("points", "mine", "-n", "4", "--plugin", compiled(tmp_path, GOOD, much), code=4).stderr
+    assert re.search(r"out of memory: the plugin may take \d\S* GiB", failed)
 
 
 @pytest.mark.parametrize(
@@ -289,6 +297,30 @@ def test_trusted_or_not_is_said_once(tmp_path: Path) -> None:
     plugin = compiled(tmp_path)
     failed = separately("list", "samplers", "--plugin", plugin, "--trust-plugin", plugin, code=2).stderr
     assert "give it with --plugin or with --trust-plugin, not with both" in failed
+
+
+WORKS = """
+  struct timespec now = {0};
+  for (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now); now.tv_sec == 0 && now.tv_nsec < 50000000;)
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+"""
+"""Until its thread has had 50 ms of a processor in all."""
+
+
+def test_its_work_is_in_the_cost_of_the_picture_and_is_no_load_of_others(tmp_path: Path) -> None:
+    plugin = str(compiled(tmp_path, GOOD, in_place("globals", "#include <time.h>"), in_place("filled", WORKS)))
+    cost, effort = in_a_fork(_worked, plugin)
+    assert cost >= 0.04  # some of the 50 ms went by as the plugin was loaded
+    assert effort.own >= 0.04
+    assert effort.used >= effort.own
+
+
+def _worked(plugin: str) -> tuple[float, calibration.Effort]:
+    samplers.load_plugin(plugin)
+    ended = calibration.effort()
+    made = tracer.Tracer(scene_io.load("edge").scene, (8, 8))
+    cost = made.render("mine", 1, 0, 1)[1]
+    return cost.cpu_seconds, ended()
 
 
 def test_times_are_kept_apart_by_where_it_ran(tmp_path: Path) -> None:

@@ -79,6 +79,9 @@ ASC_API asc_status asc_plugin_load(const char *path, asc_error *error);
 ASC_API asc_status asc_plugin_connect(int memory, int alive, const char *path, double time_limit, asc_error *error);
 ASC_API size_t asc_plugin_memory(size_t channels);
 
+/* CPU seconds that hosts have worked so far on what this thread asked of them: no clock of this process has them. */
+ASC_API double asc_plugin_seconds(void);
+
 /* Of the host: loads a plugin and answers by threads of its own, one a channel, until the process ends. Returns at
  * once; the client is told what is returned, too. */
 ASC_API asc_status asc_plugin_serve(int memory, const char *path, asc_error *error);

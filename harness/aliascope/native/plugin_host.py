@@ -1,8 +1,8 @@
 """The process of one plugin: python -P -m aliascope.native.plugin_host SHARED ALIVE MEMORY PATH.
 
 SHARED is the file of the memory that it shares with its client, ALIVE the socket that ends with the client, MEMORY what
-the plugin may have, in bytes. Two processes: the outer one, which no line of the plugin
-runs in, ends the inner one when the client ends or closes its socket, and ends as that one does.
+the plugin may have, in bytes. There are two processes: the outer one, in which no line of the plugin runs, ends the
+inner one when the client ends or closes its socket, and ends as that one does.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from typing import NoReturn
 
 SIGNALLED = 128
 """What the outer process ends with where a signal ended the inner one, and its number."""
-
 
 _SET_PARENT_DEATH_SIGNAL = 1
 """PR_SET_PDEATHSIG of linux/prctl.h."""

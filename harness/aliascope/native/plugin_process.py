@@ -10,8 +10,10 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from aliascope.errors import InvalidInput
@@ -26,6 +28,8 @@ MEMORY_SHARE = 1 / 8
 
 MOST_THREADS = 64
 _NO_OTHER_SIZE = fcntl.F_SEAL_SEAL | fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW
+_ALL_OF_A_PROCESS = 2
+"""CPUCLOCK_SCHED: the CPU clock of a process has its number and this, as clock_getcpuclockid(3) puts them together."""
 _PATIENCE = 5.0
 """Seconds until a process whose socket has ended has ended too."""
 
@@ -69,6 +73,16 @@ class PluginProcess:
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
+
+    def seconds(self) -> float:
+        """CPU seconds of the process, and of that in which the plugin is; 0 of one that has ended."""
+        outer = self._process.pid
+        total = 0.0
+        with suppress(OSError):
+            inner = Path(f"/proc/{outer}/task/{outer}/children").read_text().split()
+            for process in (outer, *map(int, inner)):
+                total += time.clock_gettime(~process << 3 | _ALL_OF_A_PROCESS)
+        return total
 
     def ending(self) -> str | None:
         """How the plugin has ended, or None while it has not."""
@@ -160,6 +174,11 @@ def renew() -> None:
     """Has those begin again that have ended, for what is asked of them from now on."""
     for each in _processes.values():
         each.renew()
+
+
+def seconds() -> float:
+    """All CPU seconds of the processes of plugins that run now."""
+    return sum(each.seconds() for each in _processes.values())
 
 
 def endings() -> Iterator[str]:
