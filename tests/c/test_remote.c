@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -44,6 +45,7 @@ static host begin(host_program *program) {
   const pid_t process = fork();
   assert_true(process >= 0);
   if (process == 0) {
+    (void)prctl(PR_SET_PDEATHSIG, SIGKILL); /* where a test fails before it ends the host */
     (void)close(ends[0]);
     program(memory);
     char byte;
