@@ -14,8 +14,8 @@
 
 #define FOREVER 3600.0 /* s */
 
-void asc_remote_sleep(_Atomic uint32_t *turn, uint32_t old, double seconds) {
-  const struct timespec limit = {(time_t)seconds, (long)((seconds - (double)(time_t)seconds) * 1e9)};
+void asc_remote_sleep(_Atomic uint32_t *turn, uint32_t old, double longest) {
+  const struct timespec limit = {(time_t)longest, (long)((longest - (double)(time_t)longest) * 1e9)};
   (void)syscall(SYS_futex, turn, FUTEX_WAIT, old, &limit, NULL, 0);
 }
 
@@ -24,11 +24,13 @@ void asc_remote_say(_Atomic uint32_t *turn, uint32_t now) {
   (void)syscall(SYS_futex, turn, FUTEX_WAKE, 1, NULL, NULL, 0);
 }
 
-double asc_remote_now(clockid_t clock) {
+static double seconds(clockid_t clock) {
   struct timespec time;
   (void)clock_gettime(clock, &time);
   return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
+
+double asc_remote_now(void) { return seconds(CLOCK_MONOTONIC); }
 
 void *asc_remote_map(int memory, size_t *bytes) {
   struct stat of;
@@ -127,9 +129,9 @@ static void *serve(void *argument) {
     uint32_t turn;
     while ((turn = atomic_load(&channel->turn)) != ASC_REMOTE_ASKED) asc_remote_sleep(&channel->turn, turn, FOREVER);
     follow(&processor, channel->processor);
-    const double begun = asc_remote_now(CLOCK_THREAD_CPUTIME_ID);
+    const double begun = seconds(CLOCK_THREAD_CPUTIME_ID);
     channel->status = (uint32_t)answer(channel);
-    channel->seconds = asc_remote_now(CLOCK_THREAD_CPUTIME_ID) - begun;
+    channel->seconds = seconds(CLOCK_THREAD_CPUTIME_ID) - begun;
     asc_remote_say(&channel->turn, ASC_REMOTE_ANSWERED);
   }
   return NULL;

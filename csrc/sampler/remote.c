@@ -104,12 +104,11 @@ static asc_status wait_for(connection *host, _Atomic uint32_t *turn) {
     seen = atomic_load(turn);
   }
   if (seen == ASC_REMOTE_ANSWERED) return ASC_OK;
-  const double limit = asc_remote_now(CLOCK_MONOTONIC) + host->time_limit;
+  const double limit = asc_remote_now() + host->time_limit;
   while ((seen = atomic_load(turn)) != ASC_REMOTE_ANSWERED) {
     if (atomic_load(&host->ended)) return ASC_ENDED;
     asc_remote_sleep(turn, seen, LOOK_EVERY);
-    if (atomic_load(turn) != ASC_REMOTE_ANSWERED && (asc_remote_now(CLOCK_MONOTONIC) > limit || !lives(host)))
-      return end(host);
+    if (atomic_load(turn) != ASC_REMOTE_ANSWERED && (asc_remote_now() > limit || !lives(host))) return end(host);
   }
   return ASC_OK;
 }
@@ -146,14 +145,14 @@ double asc_plugin_seconds(void) { return charged; }
 
 /* A status that a sampler may give; a code that none has is that of a host that cannot be believed. */
 static asc_status ask(connection *host, asc_remote_channel *channel, asc_remote_question question) {
-  const double begun = asc_remote_now(CLOCK_MONOTONIC);
+  const double begun = asc_remote_now();
   channel->question = (uint32_t)question;
   channel->processor = sched_getcpu();
   asc_remote_say(&channel->turn, ASC_REMOTE_ASKED);
   const asc_status status = wait_for(host, &channel->turn);
   if (status) return status;
   /* No more than it took on the wall, whatever a host says. */
-  const double wall = asc_remote_now(CLOCK_MONOTONIC) - begun, said = channel->seconds;
+  const double wall = asc_remote_now() - begun, said = channel->seconds;
   if (said > 0.0) charged += said < wall ? said : wall;
   const uint32_t answer = channel->status;
   return answer <= ASC_OUT_OF_RANGE ? (asc_status)answer : end(host);

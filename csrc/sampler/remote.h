@@ -8,7 +8,6 @@
 #define ASC_REMOTE_H
 
 #include <stdatomic.h>
-#include <time.h>
 
 #include "made.h"
 
@@ -61,11 +60,10 @@ static inline asc_remote_channel *asc_remote_channels(void *memory) {
 }
 
 /* Sleeps until the turn is another than `old`, at most so long; also wakes for nothing. */
-void asc_remote_sleep(_Atomic uint32_t *turn, uint32_t old, double seconds);
+void asc_remote_sleep(_Atomic uint32_t *turn, uint32_t old, double longest); /* s */
 void asc_remote_say(_Atomic uint32_t *turn, uint32_t now);
 
-/* Of a clock, as clock_gettime names it. */
-double asc_remote_now(clockid_t clock);
+double asc_remote_now(void); /* s of the monotonic clock */
 
 /* Maps the memory of a file descriptor; its size. NULL where that cannot be. */
 void *asc_remote_map(int memory, size_t *bytes);

@@ -111,7 +111,7 @@ def plugins_of(mode: Spec) -> dict[str, Plugin]:
 def plugin_versions(mode: Spec) -> dict[str, str]:
     """For provenance: path and hash of the plugins that a mode names, by "plugin NAME"."""
     return {
-        f"plugin {name}": f"{sharing.shared(plugin.path)} sha256 {plugin.version}"
+        f"plugin {name}": f"{sharing.shared(plugin.path)} sha256 {plugin.sha256} ({plugin.where})"
         for name, plugin in plugins_of(mode).items()
     }
 

@@ -327,5 +327,7 @@ def test_times_are_kept_apart_by_where_it_ran(tmp_path: Path) -> None:
     plugin = compiled(tmp_path)
     words = ("compare", "edge", "-m", "uniform:n=4,sampler=mine", "--size", "16x12", "-o", tmp_path / "out", "--json")
     for option, rendered in (("--plugin", 3), ("--trust-plugin", 3), ("--plugin", 0)):
-        document = json.loads(separately(*words, option, plugin).stdout)
+        done = separately(*words, option, plugin)
+        document = json.loads(done.stdout)
         assert (document["pictures"], document["rendered"]) == (3, rendered), option
+        assert ("runs behind a fence: its times have that in them" in done.stderr) == (option == "--plugin")

@@ -195,6 +195,11 @@ class Plugin:
         return f"{self.sha256}, trusted" if self.trusted else self.sha256
 
     @property
+    def where(self) -> str:
+        """It runs, for people."""
+        return "trusted" if self.trusted else "behind a fence: its times have that in them"
+
+    @property
     def option(self) -> str:
         """Of the command line, before the path."""
         return "--trust-plugin" if self.trusted else "--plugin"

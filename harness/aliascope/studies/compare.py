@@ -19,6 +19,7 @@ from aliascope.draws import UNMOVED
 from aliascope.errors import Interrupted, NotWritable, Unsupported
 from aliascope.interrupts import Interrupts
 from aliascope.jobs import Judged, Plan
+from aliascope.native import samplers
 from aliascope.pipeline import Options, Progress
 from aliascope.records import Estimate, Failure, Job, ModeRow, Noise, Outcome, ReportData, SceneSection
 from aliascope.references import Reference
@@ -66,6 +67,9 @@ def compare(
     versions = {**plan.versions, **plan.plugins}
     skipped = dict(plan.skipped)
     logs.event(logging.INFO, "plan", counted(len(plan.jobs)), **counts, skipped=skipped, versions=versions)
+    for plugin in samplers.plugins():
+        if not plugin.trusted and any(f"plugin {name}" in plan.plugins for name in plugin.samplers):
+            tell(f"{plugin.path} runs {plugin.where}; --trust-plugin is for one of yours, at its full speed")
     begun, started = time.perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
     _check_writable(folder)
     pipeline.remove_unfinished(folder)
