@@ -221,7 +221,8 @@ def test_complaints_are_one_line_each(tmp_path: Path) -> None:
     assert "scene.pov:6: Parse Error: No matching } in 'sphere', undeclared identifier 'pigmnt'" in complaint(
         "sweep", broken, *out, code=2
     )
-    assert "larger --budget" in complaint("sweep", slow(tmp_path), *out, code=2)
+    endless = written(tmp_path, "#while (1) #end")
+    assert "larger --budget; or the scene has no end" in complaint("sweep", endless, *out, "--budget", "5s", code=2)
     file = tmp_path / "file"
     file.write_text("")
     assert "choose another folder" in complaint("sweep", written(tmp_path), "-o", file / "sub", code=4)
