@@ -330,4 +330,7 @@ def test_times_are_kept_apart_by_where_it_ran(tmp_path: Path) -> None:
         done = separately(*words, option, plugin)
         document = json.loads(done.stdout)
         assert (document["pictures"], document["rendered"]) == (3, rendered), option
-        assert ("runs behind a fence: its times have that in them" in done.stderr) == (option == "--plugin")
+        told = "runs behind a fence: its times have that in them; --trust-plugin is for one of yours"
+        assert (told in done.stderr, "--trust-plugin" in done.stderr) == (option == "--plugin",) * 2
+    another = [word.replace("mine", "random") if isinstance(word, str) else word for word in words]
+    assert "--trust-plugin" not in separately(*another, "--plugin", plugin).stderr

@@ -242,6 +242,24 @@ def test_a_scene_out_of_reach_is_refused_with_what_would_do() -> None:
     sweep_pov._check((320, 240), 60.0, 30.0)
 
 
+@pytest.mark.parametrize("look", ["a small picture", "the picture without antialiasing"])
+def test_each_look_at_a_scene_may_find_it_out_of_reach(
+    tmp_path: Path, look: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From that look on, any reference takes more than its share of the budget."""
+    told: list[str] = []
+
+    def tell(what: str) -> None:
+        told.append(what)
+        if what == look:
+            monkeypatch.setattr(sweep_pov, "LARGEST_REFERENCE_SHARE", 1e-9)
+
+    monkeypatch.setattr(sweep_pov, "REFERENCE_SHARE", 0.0)
+    with pytest.raises(InvalidInput, match="the reference alone"):
+        sweep_pov.prepare(povray_file.open_file(written(tmp_path)), (32, 24), 60.0, lambda: 60.0, tell, told.clear)
+    assert told[-1] == look
+
+
 def test_options_are_those_of_the_setting() -> None:
     assert sweep_text.options(Candidate("povray", "am1:depth=4,jitter=0,threshold=0.003")) == "+AM1 +A0.003 +R4 -J"
     assert sweep_text.options(Candidate("povray", "none")) == "-A"

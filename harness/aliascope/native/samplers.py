@@ -196,7 +196,7 @@ class Plugin:
 
     @property
     def where(self) -> str:
-        """It runs, for people."""
+        """Where it runs, and what that does to its times, for people."""
         return "trusted" if self.trusted else "behind a fence: its times have that in them"
 
     @property
