@@ -17,7 +17,7 @@ from aliascope.references import Reference
 from aliascope.studies import selection
 from aliascope.studies.compare import with_reference
 from aliascope.studies.compare_references import reference_of, references_of
-from aliascope.studies.progress import converging
+from aliascope.studies.converging import converging
 
 
 def test_the_standard_error_at_the_end_falls_with_the_root_of_the_count() -> None:

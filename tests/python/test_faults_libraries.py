@@ -5,15 +5,17 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from commands import separately
 from crashing import crash_the_first_reader, crashing_calls, crashing_when_loaded
 from killed_compares import told
 
-from aliascope import at_start, draws, plan
+from aliascope import at_start, draws, places, plan
 from aliascope.native import alone
 
 SMALL = ("--size", "16x12", "--json")
@@ -90,6 +92,44 @@ def test_a_job_that_crashes_in_a_library_or_a_reader_loses_itself_alone(tmp_path
         "povray": PLACES - 1,
     }
     assert not [probe for probe in document["probes"] if not probe["holds"]]
+
+
+def test_a_reference_that_crashes_loses_its_own_pictures_alone(tmp_path: Path) -> None:
+    """In `knobs` too, which is content with fewer samples, and then with those of compare."""
+    calls, folder = crashing_calls(tmp_path), tmp_path / "out"
+    modes = ("-r", "embree", "-m", "uniform", "-m", "uniform:filter=tent")
+
+    def ran() -> tuple[int, dict[str, Any]]:
+        prepare = environment_with(LD_PRELOAD=str(calls))
+        code, text = told(folder, arguments=("compare", "edge", *modes, *SMALL), prepare=prepare)
+        return code, json.loads(text.splitlines()[-1])  # after what is told meanwhile
+
+    code, document = ran()
+    found = [(row["scene"], row["mode"], row["pictures"]) for row in document["rows"]]
+    assert (code, found) == (4, [("edge", "uniform", SEEDS)])
+    assert (document["pictures"], document["rendered"], document["failed"]) == (SEEDS, SEEDS, SEEDS)
+    assert {(each["mode"], each["message"]) for each in document["failures"]} == {
+        ("uniform:filter=tent", "the reference cannot be made: its process ended by SIGSEGV")
+    }
+    code, document = ran()  # the library crashes once
+    assert (code, document["rendered"], document["reused"], document["failed"]) == (0, SEEDS, SEEDS, 0)
+    (tmp_path / "embree-crashed").rmdir()
+    shutil.rmtree(folder / "references")
+    code, document = ran()
+    assert (code, document["pictures"], document["rendered"], document["failed"]) == (4, SEEDS, 0, SEEDS)
+    code, document = ran()  # what there was is there
+    assert (code, document["rendered"], document["reused"], document["failed"]) == (0, 0, 2 * SEEDS, 0)
+
+
+@pytest.mark.parametrize("words", ["compare {} -r embree", f"sweep {places.SCENES}/{{}}.toml", "reference {}"])
+def test_a_crash_where_there_is_one_reference_alone_is_one_line(
+    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LD_PRELOAD", str(crashing_calls(tmp_path)))
+    command = words.format("spheres").split()
+    lines = separately(*command, "--size", "16x16", "-o", tmp_path / "out", code=4).stderr.splitlines()
+    assert lines[-1] == "aliascope: the reference cannot be made: its process ended by SIGSEGV"
+    assert (tmp_path / "embree-crashed").is_dir()
 
 
 def test_a_library_that_hangs_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,8 +13,9 @@ the pictures that it judges.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -32,6 +33,8 @@ ROUNDING = 2.0**-24
 
 Render = Callable[[int], Pixels]
 """A picture from a seed."""
+Apart = Callable[[Callable[..., Pixels], Sequence[Any]], Pixels]
+"""Has a picture drawn elsewhere, as by another process: by a function that it is given, of these arguments."""
 Tell = Callable[[int, int, float | None], None]
 """Told how many of how many replicates are done, and the standard error of their mean, rms over pixels and channels;
 None for fewer than two."""
@@ -39,7 +42,8 @@ None for fewer than two."""
 
 @dataclass(frozen=True)
 class Plan:
-    """How a reference is converged: `replicates` pictures of `samples` points a pixel, seeds `first_seed` and on."""
+    """How a reference is converged: `replicates` pictures of `samples` points a pixel, seeds `first_seed` and on, drawn
+    here or `apart`."""
 
     samples: int = 4096
     replicates: int = 32
@@ -47,6 +51,7 @@ class Plan:
     first_seed: int = 1 << 40
     threads: int = 1
     tell: Tell = field(default=lambda done, total, standard_error: None, compare=False, repr=False)
+    apart: Apart | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if self.replicates < 2:
@@ -68,13 +73,33 @@ def renderer(
 ) -> Render:
     """The tracer, made ready for a scene, moved by `shift` pixels to the right and down on the film.
 
-    Raises Unsupported for what it does not draw, NotAvailable.
+    Raises Unsupported for what it does not draw, NotAvailable; the picture raises what `plan.apart` does.
     """
     lacking = sorted(scene.features() - tracer.DRAWS)
     if lacking:
         raise Unsupported(f"the scene has no reference: the tracer has no answer for {', '.join(lacking)}")
-    built = tracer.Tracer(scene, size, shift)
-    return lambda seed: built.render(plan.sampler, plan.samples, seed, plan.threads, filter_)[0]
+    if plan.apart is None:
+        built = tracer.Tracer(scene, size, shift)
+        return lambda seed: built.render(plan.sampler, plan.samples, seed, plan.threads, filter_)[0]
+    built_of = (scene, size, shift)
+    apart, how = plan.apart, (plan.sampler, plan.samples, plan.threads, filter_)
+    return lambda seed: apart(_drawn, (built_of, how, seed))
+
+
+_built: dict[tuple[object, ...], tracer.Tracer] = {}
+"""The last tracer that this process built for another."""
+
+
+def _drawn(
+    built_of: tuple[Scene, tuple[int, int], tuple[float, float]], how: tuple[str, int, int, str], seed: int
+) -> Pixels:
+    """A picture of `renderer`, in a process that is given one after the other."""
+    (scene, *where), (sampler, samples, threads, filter_) = built_of, how
+    key = (scene.digest(), *where)
+    if key not in _built:
+        _built.clear()
+        _built[key] = tracer.Tracer(*built_of)
+    return _built[key].render(sampler, samples, seed, threads, filter_)[0]
 
 
 class _Squares:
@@ -124,7 +149,7 @@ def estimate(render: Render, plan: Plan) -> tuple[Estimate, Array]:
 def make(
     scene: Scene, size: tuple[int, int], filter_: str, plan: Plan, shift: tuple[float, float] = UNMOVED
 ) -> Reference:
-    """Raises Unsupported where the tracer does not draw the scene, NotAvailable."""
+    """Raises Unsupported where the tracer does not draw the scene, NotAvailable, and what `plan.apart` raises."""
     found, pictures = estimate(renderer(scene, size, filter_, plan, shift), plan)
     return Reference(
         pixels=found.mean.astype(np.float32),

@@ -140,8 +140,8 @@ def _report(
         probe_limits=probes.LIMITS,
         noise=noise,
     )
-    rendered = len(outcomes) - work.kept.reused
-    return Comparison(write_report(folder, data, measures=measures), data, rendered, outcomes, work.kept.changed)
+    report = write_report(folder, data, measures=measures)
+    return Comparison(report, data, work.rendered(), outcomes, work.kept.changed)
 
 
 def _side_by_side(outcomes: Iterable[Outcome]) -> str:

@@ -10,14 +10,15 @@ from pathlib import Path
 
 from aliascope import jobs, logs, places, references
 from aliascope.draws import UNMOVED, text_of
-from aliascope.errors import CheckFailed, Unsupported
+from aliascope.errors import CheckFailed, JobFailed, Unsupported
 from aliascope.jobs import Judged, Plan
 from aliascope.pipeline import Progress, sha256_of
 from aliascope.plan import FILTERS
 from aliascope.references import Reference
 from aliascope.references import files as reference_files
+from aliascope.references.converged import Apart
 from aliascope.store import Store
-from aliascope.studies.progress import converging
+from aliascope.studies.converging import apart, converging
 
 
 def references_of(
@@ -27,18 +28,28 @@ def references_of(
     tell: Callable[[str], None],
     store: Store | None = None,
     judged: dict[Judged, Reference] | None = None,
+    lost: dict[tuple[str, str], JobFailed] | None = None,
 ) -> tuple[dict[Judged, Reference], Plan]:
     """What the pictures of a plan are judged by, and the plan without the pictures that are moved on the film where an
     exact method refuses: what would have to be converged for them costs more than they are worth. They are in `judged`
-    as soon as they are there."""
-    judged = {} if judged is None else judged
-    for key, size in {jobs.judged_by(job): (job.width, job.height) for job in plan.jobs}.items():
-        try:
-            judged[key] = reference_of(plan, key, size, folder, progress, tell, store)
-        except Unsupported:
-            if key[2] == UNMOVED:
-                raise
-            plan = jobs.without(plan, key)
+    as soon as they are there. A scene and filter whose reference cannot be made, since Embree crashes for instance, is
+    told, and in `lost`. Raises what was wrong where that leaves nothing."""
+    judged, lost = {} if judged is None else judged, {} if lost is None else lost
+    with apart() as draw:
+        for key, size in {jobs.judged_by(job): (job.width, job.height) for job in plan.jobs}.items():
+            try:
+                judged[key] = reference_of(plan, key, size, folder, progress, tell, store, draw)
+            except Unsupported:
+                if key[2] == UNMOVED:
+                    raise
+                plan = jobs.without(plan, key)
+            except JobFailed as error:
+                lost[key[:2]] = error
+                tell(f"{key[0]}, filter {key[1]}: {error}; its pictures are not rendered, as nothing judges them")
+            for each in [each for each in judged if each[:2] in lost]:  # elsewhere on the film, where a method is exact
+                del judged[each]
+    if lost and not judged:
+        raise next(iter(lost.values()))
     return judged, plan
 
 
@@ -50,6 +61,7 @@ def reference_of(
     progress: Progress,
     tell: Callable[[str], None],
     store: Store | None = None,
+    draw: Apart | None = None,
 ) -> Reference:
     """The kept reference of a scene of the project at its own size, of a filter that the profiles judge. Any other is
     made now and kept in `folder`, its hash in the store: exact where there is a method, else converged. Raises
@@ -73,7 +85,7 @@ def reference_of(
         what += f", shifted by {text_of(shift)}"
     progress(what, 0, 1)
     begun = time.monotonic()
-    converged = references.Plan(threads=len(os.sched_getaffinity(0)), tell=converging(what, progress))
+    converged = references.Plan(threads=len(os.sched_getaffinity(0)), tell=converging(what, progress), apart=draw)
     made = references.make(file.scene, size, filter_, converged if shift == UNMOVED else None, shift)
     _note(reference_files.save(folder, name, file.scene, size, filter_, made, shift), folder, store)
     seconds = time.monotonic() - begun

@@ -7,8 +7,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from aliascope import jobs, metrics, pipeline
+from aliascope import jobs, metrics, pipeline, sharing
 from aliascope.cluster.client import Cluster
+from aliascope.errors import JobFailed
 from aliascope.interrupts import Interrupts
 from aliascope.jobs import Judged, Plan
 from aliascope.pipeline import Kept, Options, Progress
@@ -37,6 +38,7 @@ class Work:
     ) -> None:
         self.plan, self.folder, self.options, self.store = plan, folder, options, store
         self.judged: dict[Judged, Reference] = {}
+        self._lost: dict[tuple[str, str], JobFailed] = {}
         self.kept = Kept({}, 0, 0)
         self.probed: tuple[Probe, ...] = ()
         self._progress, self._tell, self._interrupts, self._cluster = progress, tell, interrupts, cluster
@@ -45,7 +47,8 @@ class Work:
     def do(self) -> None:
         """All of it. Raises what `compare` raises, and KeyboardInterrupt."""
         folder = self.folder / "references"
-        _, self.plan = references_of(self.plan, folder, self._watched, self._tell, self.store, self.judged)
+        watched, judged, lost = self._watched, self.judged, self._lost
+        _, self.plan = references_of(self.plan, folder, watched, self._tell, self.store, judged, lost)
         pixels = {key: reference.pixels for key, reference in self.judged.items()}
         here = Workers(self.options.processes)
         with self._cluster or here as workers, Workers(len(os.sched_getaffinity(0))) as measurers:
@@ -62,7 +65,7 @@ class Work:
         """After an interruption: measures what is rendered and leaves out what is not, or was interrupted while it was
         measured."""
         self._interrupted = True
-        self.plan = replace(self.plan, jobs=tuple(job for job in self.plan.jobs if jobs.judged_by(job) in self.judged))
+        self.plan = self._with(lambda job: jobs.judged_by(job) in self.judged or self._why_lost(job) is not None)
         if not self._begun:
             self._look()
         if not self.kept.rendered:
@@ -74,7 +77,7 @@ class Work:
                 )
         self.kept.outcomes = {key: each for key, each in self.kept.outcomes.items() if _told(each)}
         there = self.kept.outcomes
-        self.plan = replace(self.plan, jobs=tuple(job for job in self.plan.jobs if job.key in there))
+        self.plan = self._with(lambda job: job.key in there)
         drawn = {jobs.judged_by(job)[:2] for job in self.plan.jobs}
         self.judged = {key: each for key, each in self.judged.items() if key[:2] in drawn}
         self.probed = probes.of_those_that_drew(
@@ -89,10 +92,26 @@ class Work:
         done = sum(each.status == "done" for each in self.kept.outcomes.values())
         return (f"Interrupted: {done} of {self._wanted} pictures were finished, and are all that is told of here.",)
 
+    def rendered(self) -> int:
+        """How many jobs this run rendered, or tried to."""
+        lost = sum(self._why_lost(job) is not None for job in self.plan.jobs)
+        return len(self.kept.outcomes) - self.kept.reused - lost
+
     def _look(self) -> None:
-        """What the folder has already."""
-        self.kept = pipeline.kept_of(self.plan, self.folder, self.store, self.options)
+        """What the folder has already, and what cannot be: the pictures that lost their reference. The store keeps them
+        as they are, for a run that has it."""
+        judged = self._with(lambda job: self._why_lost(job) is None)
+        self.kept = pipeline.kept_of(judged, self.folder, self.store, self.options)
+        for job in self.plan.jobs:
+            if (why := self._why_lost(job)) is not None:
+                self.kept.outcomes[job.key] = Outcome(job, "failed", sharing.shared(str(why)))
         self._begun = True
+
+    def _with(self, wanted: Callable[[Job], bool]) -> Plan:
+        return replace(self.plan, jobs=tuple(job for job in self.plan.jobs if wanted(job)))
+
+    def _why_lost(self, job: Job) -> JobFailed | None:
+        return self._lost.get(jobs.judged_by(job)[:2])
 
     def _watched(self, what: Job | str | None, done: int, total: int) -> None:
         self._interrupts.check()

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,13 +17,14 @@ from aliascope import jobs, knob_modes, places, references
 from aliascope import plan as plans
 from aliascope.cluster.client import Cluster
 from aliascope.draws import UNMOVED
+from aliascope.errors import JobFailed
 from aliascope.jobs import Plan
 from aliascope.pipeline import Options, Progress
 from aliascope.references import files as reference_files
 from aliascope.studies import compare as comparing
 from aliascope.studies import knob_measures, selection
 from aliascope.studies.compare import Comparison
-from aliascope.studies.progress import converging
+from aliascope.studies.converging import apart, converging
 from aliascope.trade import analyse
 from aliascope.trade.records import Knob
 
@@ -73,14 +75,16 @@ def turn(
 def _make_filter_references(plan: Plan, folder: Path, progress: Progress) -> None:
     """Those of FILTERS that are not kept and not there yet, from fewer samples than `compare` would take."""
     asked = {jobs.judged_by(job): (job.width, job.height) for job in plan.jobs}
-    for (name, filter_, shift), size in sorted(asked.items()):
-        path = reference_files.path_of(folder, name, size, filter_)
-        if filter_ in ("box", *plans.FILTERS) or shift != UNMOVED or path.is_file():
-            continue
-        what = f"reference of {name}, {size[0]} x {size[1]} pixels, filter {filter_}"
-        progress(what, 0, 1)
-        threads = len(os.sched_getaffinity(0))
-        converged = references.Plan(samples=FILTER_SAMPLES, threads=threads, tell=converging(what, progress))
-        scene = plan.files[name].scene
-        made = references.make(scene, size, filter_, converged)
-        reference_files.save(folder, name, scene, size, filter_, made)
+    threads = len(os.sched_getaffinity(0))
+    with apart() as draw:
+        for (name, filter_, shift), size in sorted(asked.items()):
+            path = reference_files.path_of(folder, name, size, filter_)
+            if filter_ in ("box", *plans.FILTERS) or shift != UNMOVED or path.is_file():
+                continue
+            what = f"reference of {name}, {size[0]} x {size[1]} pixels, filter {filter_}"
+            progress(what, 0, 1)
+            converged = references.Plan(FILTER_SAMPLES, threads=threads, tell=converging(what, progress), apart=draw)
+            scene = plan.files[name].scene
+            with suppress(JobFailed):  # which is told of its pictures, if it does so again
+                made = references.make(scene, size, filter_, converged)
+                reference_files.save(folder, name, scene, size, filter_, made)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -36,17 +35,3 @@ def progress_bar() -> Iterator[Callable[[Job | str | None, int, int], None]]:
             bar.update(task, completed=done, total=total, description=text)
 
         yield tell
-
-
-def converging(what: str, tell: Callable[[str, int, int], None]) -> Callable[[int, int, float | None], None]:
-    """What a reference that is converged is to tell: how far its pictures, and the standard error of their mean, have
-    come, and what it comes to with all of them, as it falls with the root of their number."""
-
-    def told(done: int, total: int, standard_error: float | None) -> None:
-        text = ""
-        if standard_error is not None:
-            end = standard_error * math.sqrt(done / total)
-            text = f": standard error {standard_error:.1e}, {end:.1e} at the end"
-        tell(what + text, done, total)
-
-    return told

@@ -15,7 +15,7 @@ from aliascope.native import filters
 from aliascope.records import Rendering
 from aliascope.references import files
 from aliascope.renderers.base import LEAST_SECONDS, Request
-from aliascope.studies.progress import converging
+from aliascope.studies.converging import apart, converging
 
 
 def render_file(
@@ -147,12 +147,14 @@ def make_reference(
     """Makes and writes one reference: exact where the scene and the filter allow it, else converged."""
     file = scene_io.load(scene)
     wanted, filter_ = size or file.scene.view.size, filters.canonical(filter_)
-    converged = references.Plan(
-        samples=samples or references.Plan.samples,
-        threads=_processors(),
-        tell=converging(f"reference of {file.name}{_moved(shift)}, filter {filter_}", tell),
-    )
-    made = references.make(file.scene, wanted, filter_, converged, shift)
+    with apart() as draw:
+        converged = references.Plan(
+            samples=samples or references.Plan.samples,
+            threads=_processors(),
+            tell=converging(f"reference of {file.name}{_moved(shift)}, filter {filter_}", tell),
+            apart=draw,
+        )
+        made = references.make(file.scene, wanted, filter_, converged, shift)
     path = files.save(folder, file.name, file.scene, wanted, filter_, made, shift)
     return {
         "scene": file.name,
@@ -179,13 +181,15 @@ def verify_reference(
     """Makes one reference again and compares it with the file; `samples`: of each replicate, for a converged one."""
     file = scene_io.load(scene)
     wanted, filter_ = size or file.scene.view.size, filters.canonical(filter_)
-    check = dataclasses.replace(
-        files.CHECK,
-        samples=samples or files.CHECK.samples,
-        threads=_processors(),
-        tell=converging(f"reference of {file.name}{_moved(shift)}, filter {filter_}", tell),
-    )
-    found = files.verify(folder, file.name, file.scene, wanted, filter_, check, shift)
+    with apart() as draw:
+        check = dataclasses.replace(
+            files.CHECK,
+            samples=samples or files.CHECK.samples,
+            threads=_processors(),
+            tell=converging(f"reference of {file.name}{_moved(shift)}, filter {filter_}", tell),
+            apart=draw,
+        )
+        found = files.verify(folder, file.name, file.scene, wanted, filter_, check, shift)
     verdict = "holds" if found.holds else f"DOES NOT HOLD: {found.reason}"
     return {
         "scene": file.name,

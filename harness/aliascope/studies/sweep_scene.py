@@ -6,7 +6,7 @@ import math
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from aliascope.renderers.process import TimeLimit
 from aliascope.scene_io import SceneFile
 from aliascope.specs import Spec
 from aliascope.studies import sweep_pov
+from aliascope.studies.converging import apart
 from aliascope.studies.sweep_search import Candidate, Measured
 from aliascope.workers import Task, Workers
 
@@ -74,12 +75,18 @@ def make_judge(
         raise
     except Unsupported:
         pass
-    few = references.Plan(samples=16, replicates=2, threads=threads)
+    with apart() as draw:
+        return _judge(_converged(file, size, left, references.Plan(threads=threads, apart=draw)))
+
+
+def _converged(file: SceneFile, size: tuple[int, int], left: Callable[[], float], plan: references.Plan) -> Reference:
+    """One that takes a third of the time. Raises InvalidInput where that is too little."""
+    scene, few = file.scene, replace(plan, samples=16, replicates=2)
     references.make(scene, size, "box", few)  # what is loaded and built for the first is not timed
     begun = time.monotonic()
     references.make(scene, size, "box", few)
     each = (time.monotonic() - begun) / (few.samples * few.replicates)  # seconds for a sample a pixel
-    replicates = references.Plan.replicates
+    replicates = plan.replicates
     fitting = left() / 3.0 / max(each * replicates, 1e-9)
     if fitting < CONVERGED[0]:
         needed = sweep_pov.duration(1.2 * 3.0 * CONVERGED[0] * replicates * each)
@@ -87,7 +94,7 @@ def make_judge(
             f"{file.path}: the reference alone takes a third of --budget {needed}: give that, or a smaller --size"
         )
     samples = 2 ** math.floor(math.log2(min(fitting, CONVERGED[1])))
-    return _judge(references.make(scene, size, "box", references.Plan(samples=samples, threads=threads)))
+    return references.make(scene, size, "box", replace(plan, samples=samples))
 
 
 def _judge(reference: Reference) -> SceneJudge:
