@@ -64,6 +64,7 @@ def compare(
     """Render scenes with all renderers and modes, measure them, and write a report.
 
     Each picture is a timed run of its own, one at a time. Pictures that the folder already has are not rendered again.
+    Samplers of plugins: --plugin or --trust-plugin FILE, then uniform:sampler=NAME.
     """
     from aliascope.studies import selection
 

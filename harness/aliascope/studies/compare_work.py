@@ -46,14 +46,13 @@ class Work:
 
     def do(self) -> None:
         """All of it. Raises what `compare` raises, and KeyboardInterrupt."""
-        folder = self.folder / "references"
-        watched, judged, lost = self._watched, self.judged, self._lost
-        _, self.plan = references_of(self.plan, folder, watched, self._tell, self.store, judged, lost)
-        pixels = {key: reference.pixels for key, reference in self.judged.items()}
         here = Workers(self.options.processes)
         with self._cluster or here as workers, Workers(len(os.sched_getaffinity(0))) as measurers:
             if workers.elsewhere:
                 self.options = replace(self.options, processes=workers.processes)
+            folder, watched, judged, lost = self.folder / "references", self._watched, self.judged, self._lost
+            _, self.plan = references_of(self.plan, folder, watched, self._tell, self.store, judged, lost)
+            pixels = {key: reference.pixels for key, reference in judged.items()}
             self._look()
             plan, store, options = self.plan, self.store, self.options
             pipeline.execute(plan, self.folder, store, pixels, options, self._watched, workers, measurers, self.kept)
