@@ -191,7 +191,8 @@ def test_an_address_that_cannot_be_read(address: str, tmp_path: Path) -> None:
 
 def test_where_nobody_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster_client, "CONNECTING", 0.2)
-    words = ("compare", "edge", "-m", "none", "-o", tmp_path / "out", "--cluster", "tcp://127.0.0.1:1")
+    chosen = ("edge", "-m", "none", "--size", "16x12")
+    words = ("compare", *chosen, "-o", tmp_path / "out", "--cluster", "tcp://127.0.0.1:1")
     # It is refused, or the time is over, on a busy machine.
     told = "no scheduler answers at tcp://127.0.0.1:1"
     assert told in (line := complaint(*words, code=3))
@@ -205,6 +206,7 @@ def test_where_nobody_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         assert told in thread.submit(lambda: asyncio.run(in_a_loop())).result()
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert "pip install 'aliascope[cluster]'" in complaint(*words, code=3)
+    assert not (tmp_path / "out" / "references").exists()  # which may take long
 
 
 def test_explain_says_what_would_move(tmp_path: Path) -> None:
