@@ -130,14 +130,18 @@ def provenance(job: Job, rendering: Rendering, versions: Mapping[str, str]) -> d
     }
 
 
+def scene_word(job: Job) -> str:
+    """How a command names the scene of a job."""
+    where = Path(job.scene_path).expanduser()
+    return job.scene if where.parent == places.SCENES else str(where)
+
+
 def repeat_command(job: Job, time_limit: float = Request.time_limit) -> str:
     """The command that renders a job again, alone, with the plugins that its mode names."""
-    where = Path(job.scene_path).expanduser()
-    scene = job.scene if where.parent == places.SCENES else str(where)
     words = [
         "aliascope",
         "render",
-        scene,
+        scene_word(job),
         "-r",
         renderers.word_of(job.renderer),
         "-m",

@@ -111,6 +111,9 @@ def test_a_reference_that_crashes_loses_its_own_pictures_alone(tmp_path: Path) -
     assert {(each["mode"], each["message"]) for each in document["failures"]} == {
         ("uniform:filter=tent", "the reference cannot be made: its process ended by SIGSEGV")
     }
+    assert {each["command"] for each in document["failures"]} == {
+        "aliascope reference edge --size 16x12 --filter tent -o references"
+    }
     code, document = ran()  # the library crashes once
     assert (code, document["rendered"], document["reused"], document["failed"]) == (0, SEEDS, SEEDS, 0)
     (tmp_path / "embree-crashed").rmdir()

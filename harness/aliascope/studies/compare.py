@@ -122,7 +122,7 @@ def _report(
                 job.renderer,
                 job.mode,
                 outcome.message,
-                pipeline.repeat_command(job, work.options.time_limit),
+                work.again(job),
             )
             for job, outcome in ((job, outcomes[job.key]) for job in plan.jobs)
             if outcome.status == "failed"

@@ -91,6 +91,14 @@ class Work:
         done = sum(each.status == "done" for each in self.kept.outcomes.values())
         return (f"Interrupted: {done} of {self._wanted} pictures were finished, and are all that is told of here.",)
 
+    def again(self, job: Job) -> str:
+        """The command that does again, alone, what a job failed by: its picture, or the reference that it lost."""
+        if self._why_lost(job) is None:
+            return pipeline.repeat_command(job, self.options.time_limit)
+        size, filter_ = f"{job.width}x{job.height}", jobs.judged_by(job)[1]
+        words = ["aliascope", "reference", pipeline.scene_word(job), "--size", size, "--filter", filter_]
+        return sharing.command_line([*words, "-o", "references"])
+
     def rendered(self) -> int:
         """How many jobs this run rendered, or tried to."""
         lost = sum(self._why_lost(job) is not None for job in self.plan.jobs)
