@@ -76,7 +76,8 @@ def render(
 def reference(
     scene: str | SceneFile, *, size: tuple[int, int] | None = None, shift: tuple[float, float] = Request.shift
 ) -> Reference:
-    """The exact picture of a scene under the box filter, made now; moved on the film as `render` does it by `shift`.
+    """The exact picture of a scene under the box filter, made now, in this process; moved on the film as `render`
+    does it by `shift`.
 
     Raises Unsupported where there is none.
     """
